@@ -1,0 +1,2 @@
+//! The roberval command.
+fn main() {}

@@ -1,0 +1,1 @@
+//! roberval-formats
