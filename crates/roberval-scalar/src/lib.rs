@@ -6,8 +6,10 @@
 
 mod literal;
 mod magnitude;
+mod random;
 mod scalar;
 
 pub use literal::{Decimal, Expr, LiteralError, Quantity};
 pub use magnitude::Magnitude;
+pub use random::SplitMix64;
 pub use scalar::Scalar;
