@@ -1,1 +1,18 @@
-//! roberval-formats
+//! Robot files and the catalogue of built-in robots.
+//!
+//! Every reader gives a [`RobotDescription`]: the robot as written, literals kept. No
+//! reader opens any file but the one it is asked for (meshes never).
+
+mod catalogue;
+mod error;
+mod load;
+mod source;
+mod toml;
+mod words;
+
+pub use catalogue::{CatalogueEntry, catalogue};
+pub use error::{Code, FormatError, Position};
+pub use load::load;
+pub use roberval_mechanism::RobotDescription;
+pub use source::MAX_FILE_BYTES;
+pub use toml::{parse_toml, to_toml};

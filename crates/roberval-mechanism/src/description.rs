@@ -1,3 +1,5 @@
+use std::collections::HashMap;
+
 use roberval_scalar::Quantity;
 
 /// What a robot file says, with its numbers as written. Links stand in file order.
@@ -16,6 +18,110 @@ pub struct RobotDescription {
     /// What the reader noticed and the user should know (missing inertias, unnormalised
     /// axes, mimic joints that are not applied, ...).
     pub warnings: Vec<String>,
+}
+
+impl RobotDescription {
+    /// The index of each link's antecedent, `None` for the base, once it is sure that
+    /// names are unique, that every antecedent exists and that there is no cycle.
+    ///
+    /// # Errors
+    /// The first of these rules that a link breaks.
+    pub fn antecedents(&self) -> Result<Vec<Option<usize>>, TreeError> {
+        let mut index = HashMap::with_capacity(self.links.len());
+        for (link, description) in self.links.iter().enumerate() {
+            if let Some(first) = index.insert(description.name.as_str(), link) {
+                let name = description.name.clone();
+                return Err(TreeError::DuplicateName { name, first, link });
+            }
+        }
+        let mut antecedents = Vec::with_capacity(self.links.len());
+        for (link, description) in self.links.iter().enumerate() {
+            antecedents.push(match &description.antecedent {
+                None => None,
+                Some(antecedent) => Some(*index.get(antecedent.as_str()).ok_or_else(|| {
+                    TreeError::UnknownAntecedent {
+                        name: description.name.clone(),
+                        antecedent: antecedent.clone(),
+                        link,
+                    }
+                })?),
+            });
+        }
+        match cycle(&antecedents) {
+            None => Ok(antecedents),
+            Some(links) => Err(TreeError::Cycle {
+                names: links.iter().map(|l| self.links[*l].name.clone()).collect(),
+                link: links[0],
+            }),
+        }
+    }
+}
+
+/// Some links, each the antecedent of the one before and the first that of the last,
+/// if there are such.
+fn cycle(antecedents: &[Option<usize>]) -> Option<Vec<usize>> {
+    // 0: not seen; else the number of the walk that saw the link first.
+    let mut seen = vec![0; antecedents.len()];
+    for start in 0..antecedents.len() {
+        let mut at = start;
+        while seen[at] == 0 {
+            seen[at] = start + 1;
+            match antecedents[at] {
+                Some(next) => at = next,
+                None => break,
+            }
+        }
+        if seen[at] == start + 1 && antecedents[at].is_some() {
+            let mut links = vec![at];
+            while let Some(next) = antecedents[links[links.len() - 1]].filter(|l| *l != at) {
+                links.push(next);
+            }
+            return Some(links);
+        }
+    }
+    None
+}
+
+/// Why the links of a description are no tree.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum TreeError {
+    /// Two links have one name.
+    #[error("two links are named {name:?} (links {} and {})", first + 1, link + 1)]
+    DuplicateName {
+        /// The name.
+        name: String,
+        /// Index of the first of the two, from 0.
+        first: usize,
+        /// Index of the second.
+        link: usize,
+    },
+    /// A link stands on a link that does not exist.
+    #[error("link {name:?} has the antecedent {antecedent:?}, which does not exist")]
+    UnknownAntecedent {
+        /// The link.
+        name: String,
+        /// The name that no link has.
+        antecedent: String,
+        /// Index of the link.
+        link: usize,
+    },
+    /// Links that stand on each other in a circle.
+    #[error("links stand on each other in a circle: {}", circle(names))]
+    Cycle {
+        /// The links, each followed by its antecedent; the last one's is the first.
+        names: Vec<String>,
+        /// Index of the first of them.
+        link: usize,
+    },
+}
+
+/// `"a" on "b" on "a"`, shortened in the middle.
+fn circle(names: &[String]) -> String {
+    let shown = names.iter().take(8).map(|name| format!("{name:?}"));
+    let dots = (names.len() > 8).then(|| "...".to_owned());
+    let again = names.first().map(|name| format!("{name:?}"));
+    let all: Vec<String> = shown.chain(dots).chain(again).collect();
+    all.join(" on ")
 }
 
 /// The kind of file a description was read from: it decides the links' frames.

@@ -9,7 +9,10 @@ mod magnitude;
 mod random;
 mod scalar;
 
-pub use literal::{Decimal, Expr, LiteralError, Quantity};
+pub use literal::{
+    Constants, Decimal, Expr, LiteralError, LiteralFault, MAX_LITERAL_BYTES, MAX_LITERAL_DEPTH,
+    Quantity, is_constant_name,
+};
 pub use magnitude::Magnitude;
 pub use random::SplitMix64;
 pub use scalar::Scalar;

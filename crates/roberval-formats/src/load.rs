@@ -1,0 +1,54 @@
+use std::io::Read;
+use std::path::Path;
+
+use roberval_mechanism::RobotDescription;
+
+use crate::catalogue::{catalogue, entry};
+use crate::error::{Code, FormatError};
+use crate::source::{MAX_FILE_BYTES, check_size, decode};
+use crate::toml::parse_toml;
+use crate::words::{list, nearest};
+
+/// Loads a robot: a built-in one by its name in the catalogue, or a file.
+///
+/// # Errors
+/// When there is neither, or the file cannot be read or is no valid robot.
+pub fn load(path_or_name: &str) -> Result<RobotDescription, FormatError> {
+    if let Some(entry) = entry(path_or_name) {
+        return parse_toml(entry.toml, entry.name);
+    }
+    let bytes = read(path_or_name)?;
+    let text = decode(path_or_name, &bytes)?;
+    parse_toml(text, path_or_name)
+}
+
+fn read(path: &str) -> Result<Vec<u8>, FormatError> {
+    let refuse = |error: std::io::Error| not_found(path, &error);
+    if Path::new(path).is_dir() {
+        return Err(FormatError::new(Code::NotFound, path, "this is a folder")
+            .hint("name the robot file in it"));
+    }
+    let file = std::fs::File::open(path).map_err(refuse)?;
+    let mut bytes = Vec::new();
+    file.take(MAX_FILE_BYTES as u64 + 1)
+        .read_to_end(&mut bytes)
+        .map_err(refuse)?;
+    check_size(path, bytes.len(), MAX_FILE_BYTES)?;
+    Ok(bytes)
+}
+
+fn not_found(path: &str, error: &std::io::Error) -> FormatError {
+    let names = || catalogue().iter().map(|entry| entry.name);
+    if error.kind() != std::io::ErrorKind::NotFound {
+        return FormatError::new(Code::NotFound, path, format!("cannot be read: {error}"));
+    }
+    let result = FormatError::new(
+        Code::NotFound,
+        path,
+        "there is no such file and no built-in robot of this name",
+    );
+    match nearest(path, names()) {
+        Some(near) => result.hint(format!("did you mean the built-in {near:?}?")),
+        None => result.hint(format!("built-in robots: {}", list(names()))),
+    }
+}

@@ -1,0 +1,335 @@
+//! Robot TOML: modified Denavit-Hartenberg frames of Khalil and Kleinfinger.
+
+mod section;
+mod write;
+
+use roberval_mechanism::{
+    Geometry, JointKind, LinkDescription, MdhGeometry, ParameterKind, RobotDescription,
+    SourceFormat, TreeError,
+};
+use roberval_scalar::{Constants, Quantity, is_constant_name};
+use toml_edit::{Document, Item, TableLike};
+
+use crate::error::{Code, FormatError};
+use crate::source::{Source, check_size, stem};
+use crate::words::{nearest, quoted};
+use section::Section;
+pub use write::to_toml;
+
+/// The largest robot TOML: ten thousand links have about 2 MiB.
+const MAX_TOML_BYTES: usize = 8 << 20;
+
+/// The most named constants: each expression looks them up one by one.
+const MAX_CONSTANTS: usize = 1000;
+
+/// The name that stands for the base in `antecedent`.
+pub(crate) const BASE: &str = "base";
+
+const ROBOT_KEYS: &[&str] = &["name", "gravity", "constants", "link"];
+const LINK_KEYS: &[&str] = &[
+    "name",
+    "antecedent",
+    "joint",
+    "active",
+    "rotor",
+    "gamma",
+    "b",
+    "alpha",
+    "d",
+    "theta",
+    "r",
+    "inertia",
+];
+
+/// Reads a robot TOML. `source_name` names the text in messages, and the robot where the
+/// text gives no name.
+///
+/// # Errors
+/// The first fault of the text with its line: syntax, unknown keys, wrong types, numbers
+/// without a finite value, links that are no tree, contradicting flags.
+pub fn parse_toml(text: &str, source_name: &str) -> Result<RobotDescription, FormatError> {
+    check_size(source_name, text.len(), MAX_TOML_BYTES)?;
+    let source = Source::new(source_name, text)?;
+    let document = Document::parse(source.text).map_err(|error| syntax(&source, &error))?;
+    let robot = Section::new(&source, document.as_table(), "robot", 0);
+    robot.only(ROBOT_KEYS)?;
+
+    let constants = constants(&robot)?;
+    let mut description = RobotDescription {
+        name: robot.name("name")?.unwrap_or_else(|| stem(source_name)),
+        gravity: gravity(&robot, &constants)?,
+        links: Vec::new(),
+        constants,
+        format: SourceFormat::Mdh,
+        warnings: Vec::new(),
+    };
+    let tables = link_tables(&robot)?;
+    for (number, (table, offset)) in (1..).zip(&tables) {
+        let place = format!("link {number}");
+        let section = Section::new(&source, *table, &place, *offset);
+        let previous = description.links.last().map(|link| link.name.as_str());
+        let link = link(&section, number, previous, &description.constants)?;
+        description.links.push(link);
+    }
+    check_tree(&source, &description, &tables)?;
+    description.warnings = warnings(&description);
+    Ok(description)
+}
+
+fn syntax(source: &Source, error: &toml_edit::TomlError) -> FormatError {
+    let what = error.message().trim().replace('\n', ", ");
+    let code = if what.contains("recurs") {
+        Code::TooDeep
+    } else {
+        Code::Toml
+    };
+    let offset = error.span().map_or(0, |span| span.start);
+    let error = source.error(code, offset, what);
+    if source.text.trim_start().starts_with('<') {
+        return error.hint("this looks like XML, not TOML: name the file .urdf if it is a URDF");
+    }
+    error
+}
+
+fn constants(robot: &Section) -> Result<Vec<(String, Quantity)>, FormatError> {
+    let mut known = Vec::new();
+    let Some(section) = robot.table("constants", "constants")? else {
+        return Ok(known);
+    };
+    for (name, _) in section.table.iter() {
+        if !is_constant_name(name) {
+            let what = format!("{} cannot name a constant", quoted(name));
+            return Err(section.fault(Code::BadName, name, what).hint(
+                "use letters, digits and _, no digit first, and not pi, sqrt, deg, nan or inf",
+            ));
+        }
+        if known.len() == MAX_CONSTANTS {
+            let what = format!("there are more than {MAX_CONSTANTS} constants");
+            return Err(section.fault(Code::TooMany, name, what));
+        }
+        // A constant may be a length or an angle: degrees are allowed.
+        let value = section.quantity(name, Quantity::parse_angle, &known)?;
+        known.extend(value.map(|value| (name.to_owned(), value)));
+    }
+    Ok(known)
+}
+
+fn gravity(robot: &Section, constants: &Constants) -> Result<[Quantity; 3], FormatError> {
+    let default = || {
+        let down = Quantity::parse_decimal("-9.81").unwrap_or_else(|_| Quantity::zero());
+        [Quantity::zero(), Quantity::zero(), down]
+    };
+    Ok(robot.vector("gravity", constants)?.unwrap_or_else(default))
+}
+
+type LinkTables<'d> = Vec<(&'d dyn TableLike, usize)>;
+
+/// The `[[link]]` tables (or the tables of an array `link = [...]`) and where they begin.
+fn link_tables<'d>(robot: &Section<'_, 'd>) -> Result<LinkTables<'d>, FormatError> {
+    let start = |span: Option<std::ops::Range<usize>>| span.map_or(0, |s| s.start);
+    let wrong = || {
+        robot
+            .fault(Code::WrongType, "link", "link must be a list of tables")
+            .hint("begin each link with [[link]]")
+    };
+    let tables: LinkTables = match robot.table.get("link") {
+        None => Vec::new(),
+        Some(Item::ArrayOfTables(tables)) => tables
+            .iter()
+            .map(|t| (t as &dyn TableLike, start(t.span())))
+            .collect(),
+        Some(item) => item
+            .as_array()
+            .ok_or_else(wrong)?
+            .iter()
+            .map(|value| {
+                let table = value.as_inline_table().ok_or_else(wrong)?;
+                Ok((table as &dyn TableLike, start(value.span())))
+            })
+            .collect::<Result<_, FormatError>>()?,
+    };
+    if tables.is_empty() {
+        return Err(
+            FormatError::new(Code::NoLink, robot.source.name, "the robot has no link")
+                .hint("describe each link in a [[link]] table"),
+        );
+    }
+    Ok(tables)
+}
+
+fn link(
+    section: &Section,
+    number: usize,
+    previous: Option<&str>,
+    constants: &Constants,
+) -> Result<LinkDescription, FormatError> {
+    section.only(LINK_KEYS)?;
+    let name = section.name("name")?.unwrap_or_else(|| number.to_string());
+    let place = format!("link {}", quoted(&name));
+    let section = &section.renamed(&place);
+    if name == BASE {
+        let what = "\"base\" is the base and cannot name a link";
+        return Err(section.fault(Code::BadName, "name", what));
+    }
+    let joint = joint_kind(section)?;
+    let moving = joint != JointKind::Fixed;
+    let active = section.boolean("active")?.unwrap_or(moving);
+    let rotor = section.boolean("rotor")?.unwrap_or(active && moving);
+    for (key, value) in [("active", active), ("rotor", rotor)] {
+        if value && !moving {
+            let what = format!("a fixed joint cannot have {key} = true");
+            return Err(section.fault(Code::Contradiction, key, what).hint(format!(
+                "leave {key} out, or make the joint revolute or prismatic"
+            )));
+        }
+    }
+    Ok(LinkDescription {
+        antecedent: antecedent(section, previous)?,
+        geometry: Geometry::Mdh(Box::new(geometry(section, joint, constants)?)),
+        inertia: inertia(section, rotor, constants)?,
+        name,
+        joint_name: None,
+        joint,
+        active,
+        rotor,
+        limits: None,
+        mimic: None,
+    })
+}
+
+fn joint_kind(section: &Section) -> Result<JointKind, FormatError> {
+    let Some(kind) = section.string("joint")? else {
+        return Ok(JointKind::Revolute);
+    };
+    match kind {
+        "revolute" => Ok(JointKind::Revolute),
+        "prismatic" => Ok(JointKind::Prismatic),
+        "fixed" => Ok(JointKind::Fixed),
+        other => {
+            let what = format!("unknown joint type {}", quoted(other));
+            Err(section
+                .fault(Code::JointType, "joint", what)
+                .hint("write \"revolute\", \"prismatic\" or \"fixed\""))
+        }
+    }
+}
+
+fn antecedent(section: &Section, previous: Option<&str>) -> Result<Option<String>, FormatError> {
+    Ok(match section.name("antecedent")? {
+        None => previous.map(str::to_owned),
+        Some(name) if name == BASE => None,
+        Some(name) => Some(name),
+    })
+}
+
+/// gamma and b default to 0 (a chain has neither), and so does the constant to which the
+/// joint variable is added; the others must be written.
+fn geometry(
+    section: &Section,
+    joint: JointKind,
+    constants: &Constants,
+) -> Result<MdhGeometry, FormatError> {
+    let optional = |key: &str, read| {
+        let value = section.quantity(key, read, constants)?;
+        Ok::<_, FormatError>(value.unwrap_or_else(Quantity::zero))
+    };
+    let required = |key: &str, read, default: bool| match section.quantity(key, read, constants)? {
+        Some(value) => Ok(value),
+        None if default => Ok(Quantity::zero()),
+        None => {
+            let what = format!("{key} is missing");
+            let hint = format!("write {key} = 0 if it is zero");
+            Err(section.here(Code::Missing, what).hint(hint))
+        }
+    };
+    Ok(MdhGeometry {
+        gamma: optional("gamma", Quantity::parse_angle)?,
+        b: optional("b", Quantity::parse_length)?,
+        alpha: required("alpha", Quantity::parse_angle, false)?,
+        d: required("d", Quantity::parse_length, false)?,
+        theta: required("theta", Quantity::parse_angle, joint == JointKind::Revolute)?,
+        r: required("r", Quantity::parse_length, joint == JointKind::Prismatic)?,
+    })
+}
+
+fn inertia(
+    section: &Section,
+    rotor: bool,
+    constants: &Constants,
+) -> Result<[Option<Quantity>; 11], FormatError> {
+    let mut values: [Option<Quantity>; 11] = Default::default();
+    let place = format!("{}, inertia", section.place);
+    let Some(inertia) = section.table("inertia", &place)? else {
+        return Ok(values);
+    };
+    inertia.only(&ParameterKind::ALL.map(ParameterKind::name))?;
+    for (value, kind) in values.iter_mut().zip(ParameterKind::ALL) {
+        *value = inertia.quantity(kind.name(), Quantity::parse_number, constants)?;
+    }
+    if !rotor && values[10].as_ref().is_some_and(|ia| ia.value != 0.0) {
+        let what = "Ia is given, but the joint has no rotor";
+        return Err(inertia
+            .fault(Code::Contradiction, "Ia", what)
+            .hint("write rotor = true, or leave Ia out"));
+    }
+    Ok(values)
+}
+
+fn check_tree(
+    source: &Source,
+    description: &RobotDescription,
+    tables: &LinkTables,
+) -> Result<(), FormatError> {
+    let Err(fault) = description.antecedents() else {
+        return Ok(());
+    };
+    let at = |link: usize, key: &str, code| {
+        let (table, offset) = tables[link];
+        let place = format!("link {}", quoted(&description.links[link].name));
+        let section = Section::new(source, table, &place, offset);
+        section.fault(code, key, fault.to_string())
+    };
+    Err(match &fault {
+        TreeError::DuplicateName { first, link, .. } => {
+            let line = source.position(tables[*first].1).line;
+            at(*link, "name", Code::DuplicateName)
+                .hint(format!("the other one begins in line {line}"))
+        }
+        TreeError::UnknownAntecedent {
+            antecedent, link, ..
+        } => {
+            let names = description.links.iter().map(|l| l.name.as_str());
+            let error = at(*link, "antecedent", Code::UnknownLink);
+            match nearest(antecedent, names.chain([BASE])) {
+                Some(name) => error.hint(format!("did you mean {}?", quoted(name))),
+                None => error.hint("write the name of a link, or \"base\""),
+            }
+        }
+        TreeError::Cycle { link, .. } => {
+            at(*link, "antecedent", Code::Cycle).hint("one of them must stand on \"base\"")
+        }
+    })
+}
+
+/// Values that no body has; base parameters do not need them, so they are no errors.
+fn warnings(description: &RobotDescription) -> Vec<String> {
+    let positive = [
+        ParameterKind::XX,
+        ParameterKind::YY,
+        ParameterKind::ZZ,
+        ParameterKind::M,
+        ParameterKind::Ia,
+    ];
+    let mut warnings = Vec::new();
+    for link in &description.links {
+        for kind in positive {
+            if let Some(value) = &link.inertia[kind as usize]
+                && value.value < 0.0
+            {
+                let name = quoted(&link.name);
+                warnings.push(format!("link {name}: {kind} = {value} is negative"));
+            }
+        }
+    }
+    warnings
+}

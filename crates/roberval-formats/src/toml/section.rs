@@ -1,0 +1,204 @@
+use roberval_scalar::{Constants, LiteralError, Quantity};
+use toml_edit::{Item, TableLike, Value};
+
+use crate::error::{Code, FormatError};
+use crate::source::{Source, name_fault};
+use crate::words::{nearest, quoted};
+
+/// How to read a number of some kind from its text.
+type Read = fn(&str, &Constants) -> Result<Quantity, LiteralError>;
+
+/// A table of the file with its name in messages.
+pub(super) struct Section<'s, 'd> {
+    pub source: &'s Source<'s>,
+    pub table: &'d dyn TableLike,
+    pub place: &'s str,
+    start: usize,
+}
+
+impl<'s, 'd> Section<'s, 'd> {
+    pub fn new(
+        source: &'s Source<'s>,
+        table: &'d dyn TableLike,
+        place: &'s str,
+        start: usize,
+    ) -> Self {
+        Self {
+            source,
+            table,
+            place,
+            start,
+        }
+    }
+
+    /// The same table under another name in messages.
+    pub fn renamed<'t>(&self, place: &'t str) -> Section<'t, 'd>
+    where
+        's: 't,
+    {
+        Section::new(self.source, self.table, place, self.start)
+    }
+
+    /// An error at the beginning of the table.
+    pub fn here(&self, code: Code, what: impl Into<String>) -> FormatError {
+        self.source.error(code, self.start, what).place(self.place)
+    }
+
+    /// An error at a key of the table (at the table where it has no such key).
+    pub fn fault(&self, code: Code, key: &str, what: impl Into<String>) -> FormatError {
+        let key = self.table.get_key_value(key).and_then(|(k, _)| k.span());
+        let offset = key.map_or(self.start, |span| span.start);
+        self.source.error(code, offset, what).place(self.place)
+    }
+
+    /// Refuses keys that are not in the list.
+    pub fn only(&self, known: &[&str]) -> Result<(), FormatError> {
+        let Some((key, _)) = self.table.iter().find(|(key, _)| !known.contains(key)) else {
+            return Ok(());
+        };
+        let what = format!("unknown key {}", quoted(key));
+        let error = self.fault(Code::UnknownKey, key, what);
+        let all = known.join(", ");
+        Err(match nearest(key, known.iter().copied()) {
+            Some(near) => error.hint(format!("did you mean {near}? known keys: {all}")),
+            None => error.hint(format!("known keys: {all}")),
+        })
+    }
+
+    fn wrong_type(&self, key: &str, item: &Item, wanted: &str) -> FormatError {
+        let found = match item.type_name() {
+            name @ ("array" | "integer" | "array of tables" | "inline table") => {
+                format!("an {name}")
+            }
+            name => format!("a {name}"),
+        };
+        self.fault(
+            Code::WrongType,
+            key,
+            format!("{key} must be {wanted}, not {found}"),
+        )
+    }
+
+    pub fn string(&self, key: &str) -> Result<Option<&'d str>, FormatError> {
+        let Some(item) = self.table.get(key) else {
+            return Ok(None);
+        };
+        match item.as_str() {
+            Some(text) => Ok(Some(text)),
+            None => Err(self
+                .wrong_type(key, item, "a string")
+                .hint("write it in quotes")),
+        }
+    }
+
+    /// A string that is a valid name.
+    pub fn name(&self, key: &str) -> Result<Option<String>, FormatError> {
+        let Some(name) = self.string(key)? else {
+            return Ok(None);
+        };
+        match name_fault(name) {
+            None => Ok(Some(name.to_owned())),
+            Some(what) => Err(self.fault(Code::BadName, key, what)),
+        }
+    }
+
+    pub fn boolean(&self, key: &str) -> Result<Option<bool>, FormatError> {
+        let Some(item) = self.table.get(key) else {
+            return Ok(None);
+        };
+        match item.as_bool() {
+            Some(flag) => Ok(Some(flag)),
+            None => Err(self
+                .wrong_type(key, item, "true or false")
+                .hint("write it without quotes")),
+        }
+    }
+
+    /// A table inside this one.
+    pub fn table<'t>(
+        &self,
+        key: &str,
+        place: &'t str,
+    ) -> Result<Option<Section<'t, 'd>>, FormatError>
+    where
+        's: 't,
+    {
+        let Some((name, item)) = self.table.get_key_value(key) else {
+            return Ok(None);
+        };
+        let Some(table) = item.as_table_like() else {
+            return Err(self.wrong_type(key, item, "a table"));
+        };
+        let span = name.span().or_else(|| item.span());
+        let start = span.map_or(self.start, |s| s.start);
+        Ok(Some(Section::new(self.source, table, place, start)))
+    }
+
+    /// A number, or a string with an expression.
+    pub fn quantity(
+        &self,
+        key: &str,
+        read: Read,
+        constants: &Constants,
+    ) -> Result<Option<Quantity>, FormatError> {
+        match self.table.get(key) {
+            None => Ok(None),
+            Some(Item::Value(value)) => self.number(key, value, read, constants).map(Some),
+            Some(item) => Err(self.not_a_number(key, item)),
+        }
+    }
+
+    /// Three numbers or expressions.
+    pub fn vector(
+        &self,
+        key: &str,
+        constants: &Constants,
+    ) -> Result<Option<[Quantity; 3]>, FormatError> {
+        let Some(item) = self.table.get(key) else {
+            return Ok(None);
+        };
+        let Some(array) = item.as_array() else {
+            return Err(self
+                .wrong_type(key, item, "three numbers")
+                .hint(format!("write {key} = [0, 0, -9.81]")));
+        };
+        let values = array
+            .iter()
+            .map(|value| self.number(key, value, Quantity::parse_number, constants))
+            .collect::<Result<Vec<_>, _>>()?;
+        <[Quantity; 3]>::try_from(values).map(Some).map_err(|v| {
+            let what = format!("{key} must have three numbers, not {}", v.len());
+            self.fault(Code::WrongType, key, what)
+        })
+    }
+
+    fn not_a_number(&self, key: &str, item: &Item) -> FormatError {
+        self.wrong_type(key, item, "a number or a string with an expression")
+    }
+
+    /// A number keeps the text that stands in the file.
+    fn number(
+        &self,
+        key: &str,
+        value: &Value,
+        read: Read,
+        constants: &Constants,
+    ) -> Result<Quantity, FormatError> {
+        let range = value.span().unwrap_or(self.start..self.start);
+        let written = self.source.text.get(range.clone()).unwrap_or("");
+        let text = match value {
+            Value::String(text) => text.value().trim().to_owned(),
+            // TOML groups digits with _; hexadecimal and the like are left to the reader,
+            // which refuses them.
+            Value::Integer(_) | Value::Float(_) if !written.contains(['x', 'o']) => {
+                written.trim().replace('_', "")
+            }
+            Value::Integer(_) | Value::Float(_) => written.trim().to_owned(),
+            other => return Err(self.not_a_number(key, &Item::Value(other.clone()))),
+        };
+        read(&text, constants).map_err(|error| {
+            let place = format!("{}, {key}", self.place);
+            self.source.literal(range, &text, error).place(place)
+        })
+    }
+}
