@@ -139,6 +139,9 @@ fn warnings(
     described: &[LinkDescription],
 ) -> Vec<String> {
     let mut warnings = Vec::new();
+    if joints.iter().all(|j| j.kind == JointKind::Fixed) {
+        warnings.push("no joint of the robot moves".to_owned());
+    }
     let mut warn = |names: Vec<&str>, what: &str| {
         if !names.is_empty() {
             warnings.push(format!("{} {what}: {}", names.len(), list(names)));
@@ -149,9 +152,6 @@ fn warnings(
         let kept = joints.iter().filter(moving).filter(|j| keep(j));
         kept.map(|j| j.name.as_str()).collect()
     };
-    if !joints.iter().any(|j| moving(&j)) {
-        warn(vec![&links[0].name], "link and no moving joint");
-    }
     warn(
         described
             .iter()
