@@ -1,1 +1,24 @@
-//! roberval-base
+//! Gautier's method: the base inertial parameters of a mechanism.
+//!
+//! The straight line of [`base_parameters`]: samples -> observation matrix W -> columns
+//! without effect out -> rank b -> choice of columns -> beta -> [`BaseParameters`].
+
+mod choice;
+mod compare;
+mod engine;
+mod error;
+mod method;
+mod observation;
+mod result;
+mod sample;
+
+pub use choice::Choice;
+pub use compare::{Comparison, Route, compare};
+pub use engine::Engine;
+pub use error::BaseError;
+pub use method::{Options, base_parameters};
+pub use observation::{Observation, observe};
+pub use result::{BaseParameters, Diagnosis, Relation, Tally};
+pub use roberval_linalg::{Matrix, PAPER_EPS_VAX, Tolerance};
+pub use roberval_regressor::Model;
+pub use sample::Samples;

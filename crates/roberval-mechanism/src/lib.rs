@@ -7,7 +7,9 @@
 
 mod description;
 mod mechanism;
+mod order;
 mod parameters;
+mod placement;
 
 pub use description::{
     Geometry, JointKind, LinkDescription, MdhGeometry, Mimic, Origin, RobotDescription,

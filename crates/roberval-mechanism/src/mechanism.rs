@@ -1,6 +1,6 @@
 use nalgebra::{Matrix3, Vector3};
 
-use crate::{JointKind, ParameterSpace};
+use crate::{JointKind, ParameterSpace, RobotDescription, order, placement};
 
 /// A valid robot with numbers: a chain or tree of links, each after its antecedent.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,37 +28,142 @@ pub struct Link {
     pub active: bool,
     /// Whether there is an Ia column.
     pub rotor: bool,
-    /// Constant rotation from the antecedent's frame to this link's at joint variable 0.
+    /// Constant rotation from this link's frame to the antecedent's at joint variable 0:
+    /// its columns are the axes (s, n, a) of this frame in the antecedent's.
     pub rotation: Matrix3<f64>,
     /// Origin of the link's frame at joint variable 0, in the antecedent's frame, m.
     pub origin: Vector3<f64>,
     /// Unit joint axis in the link's frame.
     pub axis: Vector3<f64>,
-    /// XX XY XZ YY YZ ZZ MX MY MZ M Ia where known.
+    /// XX XY XZ YY YZ ZZ MX MY MZ M Ia about the frame's origin, where known.
     pub inertia: [Option<f64>; 11],
 }
 
 /// Why a description is not a mechanism.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MechanismError {
-    /// A placeholder until the checks are written.
-    #[error("{0}")]
-    Invalid(String),
+    /// There is nothing to analyse.
+    #[error("the robot \"{robot}\" has no link: give it at least one moving link")]
+    Empty {
+        /// The robot's name.
+        robot: String,
+    },
+    /// No joint moves.
+    #[error("the robot \"{robot}\" has no moving joint: every joint is fixed")]
+    Rigid {
+        /// The robot's name.
+        robot: String,
+    },
+    /// Two links share a name, so labels such as `XX_name` would be ambiguous.
+    #[error("two links are named \"{link}\": every link needs a name of its own")]
+    DuplicateLink {
+        /// The shared name.
+        link: String,
+    },
+    /// A link stands on a link that does not exist.
+    #[error("link \"{link}\": its antecedent \"{antecedent}\" is no link of the robot")]
+    UnknownAntecedent {
+        /// The link.
+        link: String,
+        /// The missing antecedent.
+        antecedent: String,
+    },
+    /// A link is its own ancestor.
+    #[error("the antecedents of links {} run in a circle: no way leads from them to the base", links.join(", "))]
+    Cycle {
+        /// The links on or behind the circle.
+        links: Vec<String>,
+    },
+    /// A number that must be finite is not.
+    #[error("link \"{link}\": {field} is {value}, which is not a finite number")]
+    NotFinite {
+        /// The link.
+        link: String,
+        /// What is not finite.
+        field: String,
+        /// What was found.
+        value: f64,
+    },
+    /// A joint axis without direction.
+    #[error("link \"{link}\": the joint axis is (0, 0, 0); give it a direction such as 0 0 1")]
+    ZeroAxis {
+        /// The link.
+        link: String,
+    },
 }
 
 impl Mechanism {
+    /// The mechanism of a description: links ordered, geometry as numbers.
+    ///
+    /// # Errors
+    /// A [`MechanismError`] that names the link and the field.
+    pub fn new(description: &RobotDescription) -> Result<Self, MechanismError> {
+        let order = order::antecedents_first(description)?;
+        let mut position = vec![0; order.len()];
+        for (index, &(in_file, _)) in order.iter().enumerate() {
+            position[in_file] = index;
+        }
+        let gravity = Vector3::from_fn(|i, _| description.gravity[i].value);
+        placement::finite(gravity.iter(), "base", "gravity")?;
+        let links = order
+            .iter()
+            .map(|&(in_file, antecedent)| {
+                placement::link(&description.links[in_file], antecedent.map(|a| position[a]))
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let mechanism = Self {
+            name: description.name.clone(),
+            gravity,
+            links,
+        };
+        if mechanism.dof() == 0 {
+            return Err(MechanismError::Rigid {
+                robot: mechanism.name,
+            });
+        }
+        Ok(mechanism)
+    }
+
     /// Number of joint variables n (fixed joints have none).
     #[must_use]
     pub fn dof(&self) -> usize {
-        self.links
-            .iter()
-            .filter(|l| l.joint != JointKind::Fixed)
-            .count()
+        self.moving().count()
+    }
+
+    /// The links with a joint variable, in the order of the variables.
+    pub fn moving(&self) -> impl Iterator<Item = &Link> {
+        self.links.iter().filter(|l| l.joint != JointKind::Fixed)
     }
 
     /// The standard parameters as columns.
     #[must_use]
     pub fn parameters(&self) -> ParameterSpace {
         ParameterSpace::new(self.links.iter().map(|l| (l.name.as_str(), l.rotor)))
+    }
+
+    /// The known standard parameters X in column order; what the robot file does not
+    /// give counts as zero. `None` if no link has any value.
+    #[must_use]
+    pub fn standard_parameters(&self) -> Option<Vec<f64>> {
+        let known = |l: &Link| l.inertia.iter().any(Option::is_some);
+        self.links.iter().any(known).then(|| {
+            self.parameters()
+                .ids()
+                .iter()
+                .map(|id| self.links[id.link].inertia[id.kind as usize].unwrap_or(0.0))
+                .collect()
+        })
+    }
+
+    /// A length that is typical of the robot, m: the largest distance between a joint
+    /// and its antecedent, or 1 where all joints meet in a point.
+    #[must_use]
+    pub fn characteristic_length(&self) -> f64 {
+        let largest = self
+            .links
+            .iter()
+            .map(|l| l.origin.norm())
+            .fold(0.0, f64::max);
+        if largest > 0.0 { largest } else { 1.0 }
     }
 }

@@ -6,6 +6,7 @@
 
 mod literal;
 mod magnitude;
+mod random;
 mod scalar;
 
 pub use literal::{
@@ -13,4 +14,5 @@ pub use literal::{
     Quantity, is_constant_name,
 };
 pub use magnitude::Magnitude;
+pub use random::SplitMix64;
 pub use scalar::Scalar;

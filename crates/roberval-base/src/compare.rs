@@ -1,0 +1,86 @@
+use roberval_linalg::Tolerance;
+use roberval_mechanism::Mechanism;
+use roberval_regressor::Model;
+
+use crate::{BaseError, BaseParameters, Choice, Engine, Options, base_parameters};
+
+/// Two routes' coefficients are the same if they differ by less than this, relative to
+/// the largest: far above rounding (1e-12), far below any length of a robot.
+const SAME_BETA: f64 = 1e-8;
+
+/// One model analysed by one engine.
+#[derive(Debug, Clone)]
+pub struct Route {
+    /// What this route found.
+    pub answer: BaseParameters,
+    /// Whether it has the first route's no-effect, base and regrouped columns.
+    pub same_columns: bool,
+    /// Largest difference to the first route's beta, relative to its largest entry;
+    /// infinite if the columns differ.
+    pub beta_difference: f64,
+}
+
+/// All models by all engines.
+#[derive(Debug, Clone)]
+pub struct Comparison {
+    /// The routes, model by model.
+    pub routes: Vec<Route>,
+    /// Whether all give one answer, and none is in doubt.
+    pub agree: bool,
+}
+
+/// Runs all models and engines on the same seed and tells whether they agree.
+///
+/// # Errors
+/// Those of [`base_parameters`].
+pub fn compare(
+    mechanism: &Mechanism,
+    choice: &Choice,
+    tolerance: Tolerance,
+    seed: u64,
+) -> Result<Comparison, BaseError> {
+    let mut routes: Vec<Route> = Vec::new();
+    for model in Model::ALL {
+        for engine in Engine::ALL {
+            let options = Options {
+                model,
+                engine,
+                choice: choice.clone(),
+                tolerance,
+                seed,
+                rows: None,
+            };
+            let answer = base_parameters(mechanism, &options)?;
+            let first = routes.first().map_or(&answer, |r| &r.answer);
+            let same_columns = same_columns(first, &answer);
+            let beta_difference = if same_columns {
+                beta_difference(first, &answer)
+            } else {
+                f64::INFINITY
+            };
+            routes.push(Route {
+                answer,
+                same_columns,
+                beta_difference,
+            });
+        }
+    }
+    let agree = routes
+        .iter()
+        .all(|r| r.same_columns && r.beta_difference <= SAME_BETA && r.answer.diagnosis.clear);
+    Ok(Comparison { routes, agree })
+}
+
+fn same_columns(a: &BaseParameters, b: &BaseParameters) -> bool {
+    a.no_effect == b.no_effect && a.base == b.base && a.regrouped == b.regrouped
+}
+
+fn beta_difference(a: &BaseParameters, b: &BaseParameters) -> f64 {
+    let pairs = a.beta.as_slice().iter().zip(b.beta.as_slice());
+    let difference = pairs.fold(0.0_f64, |m, (x, y)| m.max((x - y).abs()));
+    if difference == 0.0 {
+        0.0
+    } else {
+        difference / a.beta.max_abs()
+    }
+}

@@ -1,0 +1,106 @@
+use roberval_linalg::{
+    Matrix, RankDecision, Relations, Svd, Tolerance, deleted_from_null_space, qrii, relations_qr,
+    staircase_qr, svd,
+};
+
+use crate::BaseError;
+
+/// How rank, choice and relations are found. All engines follow the same rule and must
+/// agree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Engine {
+    /// QR without pivoting (Gautier 1991, eq. (13)), as a staircase: rank and choice in
+    /// one pass, beta = R1^-1 R2.
+    #[default]
+    Qr,
+    /// QR with column pivoting (eq. (14)): rank from T, choice from T's columns, beta =
+    /// R1^-1 R2.
+    Qrii,
+    /// SVD (eq. (21) to (27)): rank from the singular values, choice from V2 upward,
+    /// beta = -V21 V22^-1.
+    Svd,
+}
+
+/// What an engine finds: positions are columns of the matrix it was given.
+pub(crate) struct Finding {
+    pub decision: RankDecision,
+    pub kept: Vec<usize>,
+    pub relations: Relations,
+}
+
+impl Engine {
+    /// All float engines.
+    pub const ALL: [Self; 3] = [Self::Qr, Self::Qrii, Self::Svd];
+
+    /// `qr`, `qrii` or `svd`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Qr => "qr",
+            Self::Qrii => "qrii",
+            Self::Svd => "svd",
+        }
+    }
+
+    /// Rank, choice and relations of W; `pivoted` asks for QRII's own columns.
+    pub(crate) fn analyse(
+        self,
+        w: &Matrix,
+        tolerance: &Tolerance,
+        pivoted: bool,
+    ) -> Result<Finding, BaseError> {
+        let (decision, leftmost, svd) = self.decide(w, tolerance)?;
+        let kept = if pivoted {
+            let mut kept = qrii(w)?.permutation[..decision.rank].to_vec();
+            kept.sort_unstable();
+            kept
+        } else {
+            leftmost
+        };
+        let deleted = complement(&kept, w.cols());
+        let relations = match svd {
+            Some(svd) => svd.relations(decision.rank, &kept, &deleted)?,
+            None => relations_qr(w, &kept, &deleted)?,
+        };
+        Ok(Finding {
+            decision,
+            kept,
+            relations,
+        })
+    }
+
+    /// The rank, the leftmost independent columns and, for the SVD, its factors.
+    fn decide(
+        self,
+        w: &Matrix,
+        tolerance: &Tolerance,
+    ) -> Result<(RankDecision, Vec<usize>, Option<Svd>), BaseError> {
+        Ok(match self {
+            Self::Qr => {
+                let staircase = staircase_qr(w, tolerance)?;
+                (staircase.decision, staircase.kept, None)
+            }
+            Self::Qrii => {
+                let factors = qrii(w)?;
+                let decision = factors.decide(tolerance)?;
+                let kept = factors.leftmost(decision.rank)?;
+                (decision, kept, None)
+            }
+            Self::Svd => {
+                let factors = svd(w)?;
+                let decision = factors.decide(tolerance)?;
+                let deleted = deleted_from_null_space(&factors.null_space(decision.rank))?;
+                (decision, complement(&deleted, w.cols()), Some(factors))
+            }
+        })
+    }
+}
+
+/// The numbers below `n` that are not in the list.
+pub(crate) fn complement(list: &[usize], n: usize) -> Vec<usize> {
+    let mut listed = vec![false; n];
+    for &i in list {
+        listed[i] = true;
+    }
+    (0..n).filter(|&i| !listed[i]).collect()
+}

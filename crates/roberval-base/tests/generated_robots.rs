@@ -1,0 +1,195 @@
+//! The method's own laws on generated chains and trees.
+
+use roberval_base::{
+    Choice, Model, Options, Samples, Tolerance, base_parameters, compare, observe,
+};
+use roberval_mechanism::{Mechanism, SourceFormat};
+use roberval_scalar::SplitMix64;
+use roberval_testkit::Family;
+
+const ROBOTS: u64 = 300;
+
+/// Rounding of W X against W1 XB1, relative to the sizes summed.
+const REGROUPING_ROUNDING: f64 = 1e-11;
+
+fn robot(seed: u64) -> Mechanism {
+    let format = if seed % 2 == 0 {
+        SourceFormat::Mdh
+    } else {
+        SourceFormat::Urdf
+    };
+    let family = Family {
+        format,
+        ..Family::default()
+    };
+    Mechanism::new(&family.robot(seed)).expect("a generated robot is valid")
+}
+
+#[test]
+fn all_models_and_engines_give_one_answer() {
+    let mut wrong = Vec::new();
+    for seed in 0..ROBOTS {
+        let robot = robot(seed);
+        let comparison =
+            compare(&robot, &Choice::Paper, Tolerance::default(), seed).expect("valid");
+        if !comparison.agree {
+            let ranks: Vec<_> = comparison
+                .routes
+                .iter()
+                .map(|r| {
+                    (
+                        r.answer.rank(),
+                        r.answer.no_effect.len(),
+                        r.same_columns,
+                        r.beta_difference,
+                        r.answer.diagnosis.messages.clone(),
+                    )
+                })
+                .collect();
+            wrong.push((seed, robot.links.len(), ranks));
+        }
+    }
+    assert!(
+        wrong.is_empty(),
+        "{} of {ROBOTS}: {:#?}",
+        wrong.len(),
+        &wrong[..wrong.len().min(3)]
+    );
+}
+
+#[test]
+fn the_reduced_model_gives_the_torques_of_the_full_one_at_fresh_samples() {
+    for seed in 0..ROBOTS {
+        let robot = robot(seed);
+        let answer = base_parameters(
+            &robot,
+            &Options {
+                seed,
+                ..Options::default()
+            },
+        )
+        .expect("valid");
+        let x = robot.standard_parameters().expect("inertias");
+        let xb = answer.values(&x).expect("right length");
+        let samples = Samples::draw(&robot, 5, !seed);
+        let w = observe(&robot, Model::D, &samples).expect("fits").w;
+        let reduced = w.select_columns(&answer.base);
+        for row in 0..w.rows() {
+            let full: f64 = (0..w.cols()).map(|j| w[(row, j)] * x[j]).sum();
+            let size: f64 = (0..w.cols()).map(|j| (w[(row, j)] * x[j]).abs()).sum();
+            let ours: f64 = xb
+                .iter()
+                .enumerate()
+                .map(|(i, xb)| reduced[(row, i)] * xb)
+                .sum();
+            assert!(
+                (full - ours).abs() <= REGROUPING_ROUNDING * (1.0 + size),
+                "robot {seed}: {full} {ours}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_answer_does_not_depend_on_the_seed() {
+    for seed in 0..100 {
+        let robot = robot(seed);
+        let answer = |sample_seed| {
+            let options = Options {
+                seed: sample_seed,
+                model: Model::H,
+                ..Options::default()
+            };
+            let answer = base_parameters(&robot, &options).expect("valid");
+            (answer.no_effect, answer.base, answer.unchanged)
+        };
+        assert_eq!(answer(1), answer(99), "robot {seed}");
+    }
+}
+
+#[test]
+fn every_member_of_the_family_gives_the_same_torques() {
+    for seed in 0..60 {
+        let robot = robot(seed);
+        let answer = base_parameters(&robot, &Options::default()).expect("valid");
+        let x = robot.standard_parameters().expect("inertias");
+        let mut random = SplitMix64::new(seed);
+        let xr2: Vec<f64> = answer
+            .regrouped
+            .iter()
+            .map(|_| random.uniform(-1.0, 1.0))
+            .collect();
+        let xr1 = answer.regrouped_values(&x, &xr2).expect("right length");
+        let mut xr = vec![0.0; x.len()];
+        for (&c, v) in answer
+            .base
+            .iter()
+            .zip(&xr1)
+            .chain(answer.regrouped.iter().zip(&xr2))
+        {
+            xr[c] = *v;
+        }
+        let xm = answer.minimum_norm(&x).expect("right length");
+        let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>();
+        assert!(norm(&xm) <= norm(&xr) * (1.0 + 1e-12), "XM is the shortest");
+        let samples = Samples::draw(&robot, 5, !seed);
+        let w = observe(&robot, Model::D, &samples).expect("fits").w;
+        for row in 0..w.rows() {
+            let times = |x: &[f64]| (0..w.cols()).map(|j| w[(row, j)] * x[j]).sum::<f64>();
+            let size: f64 = (0..w.cols()).map(|j| (w[(row, j)] * x[j]).abs()).sum();
+            for other in [&xr, &xm] {
+                assert!((times(&x) - times(other)).abs() <= REGROUPING_ROUNDING * (1.0 + size));
+            }
+        }
+    }
+}
+
+#[test]
+fn no_choice_changes_the_number_or_the_model() {
+    for seed in 0..80 {
+        let robot = robot(seed);
+        let space = robot.parameters();
+        let paper = base_parameters(&robot, &Options::default()).expect("valid");
+        let keep: Vec<String> = paper
+            .regrouped
+            .iter()
+            .rev()
+            .take(3)
+            .map(|&c| space.labels()[c].clone())
+            .collect();
+        let drop: Vec<String> = paper
+            .regrouped_into
+            .iter()
+            .take(2)
+            .map(|&c| space.labels()[c].clone())
+            .collect();
+        let prefer = Choice::Prefer {
+            keep: keep.clone(),
+            drop,
+        };
+        for choice in [Choice::Pivoted, prefer] {
+            let answer = base_parameters(
+                &robot,
+                &Options {
+                    choice: choice.clone(),
+                    ..Options::default()
+                },
+            )
+            .expect("valid");
+            assert_eq!(answer.rank(), paper.rank(), "robot {seed}");
+            assert_eq!(answer.no_effect, paper.no_effect);
+            assert!(
+                answer.diagnosis.clear,
+                "robot {seed}: {:?}",
+                answer.diagnosis.messages
+            );
+            if let (Choice::Prefer { .. }, Some(first)) = (&choice, keep.first()) {
+                let column = space.column(first).expect("a label");
+                assert!(
+                    answer.base.contains(&column),
+                    "the first wish is always granted"
+                );
+            }
+        }
+    }
+}

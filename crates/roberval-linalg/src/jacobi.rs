@@ -1,0 +1,73 @@
+//! One-sided Jacobi SVD: slow, simple and accurate; the fallback behind faer's.
+
+use crate::scale::{dot, norm};
+use crate::{LinalgError, Matrix};
+
+/// Jacobi needs about ten sweeps for 400 columns; more means that something else is wrong.
+const MAX_SWEEPS: usize = 60;
+
+/// `A = U diag(sigma) V'` of a square matrix (entries about 1), sigma nonincreasing.
+/// A column of U whose sigma is 0 is 0.
+///
+/// # Errors
+/// [`LinalgError::NoConvergence`].
+pub(crate) fn jacobi_svd(a: &Matrix) -> Result<(Matrix, Vec<f64>, Matrix), LinalgError> {
+    let n = a.cols();
+    let mut work = a.clone();
+    let mut v = Matrix::identity(n);
+    // Columns this small are rounding of the others: they need to be orthogonal only to that level.
+    let floor = f64::EPSILON * a.frobenius_norm();
+    let mut sweeps = 0;
+    while sweep(&mut work, &mut v, floor) {
+        sweeps += 1;
+        if sweeps == MAX_SWEEPS {
+            return Err(LinalgError::NoConvergence {
+                what: "one-sided Jacobi SVD",
+                sweeps,
+            });
+        }
+    }
+    let norms: Vec<f64> = (0..n).map(|j| norm(work.col(j))).collect();
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&i, &j| norms[j].total_cmp(&norms[i]));
+    let mut u = work.select_columns(&order);
+    let sigma: Vec<f64> = order.iter().map(|&j| norms[j]).collect();
+    for (j, &s) in sigma.iter().enumerate().filter(|&(_, &s)| s > 0.0) {
+        u.col_mut(j).iter_mut().for_each(|x| *x /= s);
+    }
+    Ok((u, sigma, v.select_columns(&order)))
+}
+
+/// Rotates every pair of columns to orthogonality once; true if a pair still needed it.
+fn sweep(work: &mut Matrix, v: &mut Matrix, floor: f64) -> bool {
+    let n = work.cols();
+    let small = n as f64 * f64::EPSILON;
+    let mut rotated = false;
+    for p in 0..n {
+        for q in p + 1..n {
+            let (alpha, beta) = (norm(work.col(p)), norm(work.col(q)));
+            let gamma = dot(work.col(p), work.col(q));
+            if gamma.abs() <= small * alpha.max(floor) * beta.max(floor) {
+                continue;
+            }
+            rotated = true;
+            let zeta = (beta - alpha) * (beta + alpha) / (2.0 * gamma);
+            let t = 1.0_f64.copysign(zeta) / (zeta.abs() + zeta.hypot(1.0));
+            let c = 1.0 / t.hypot(1.0);
+            rotate(work, p, q, c, c * t);
+            rotate(v, p, q, c, c * t);
+        }
+    }
+    rotated
+}
+
+fn rotate(a: &mut Matrix, p: usize, q: usize, c: f64, s: f64) {
+    let rows = a.rows();
+    let (left, right) = a.as_mut_slice().split_at_mut(q * rows);
+    for (x, y) in left[p * rows..(p + 1) * rows]
+        .iter_mut()
+        .zip(&mut right[..rows])
+    {
+        (*x, *y) = (c * *x - s * *y, s * *x + c * *y);
+    }
+}

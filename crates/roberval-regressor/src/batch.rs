@@ -1,0 +1,347 @@
+use roberval_mechanism::{JointKind, Mechanism, ParameterSpace};
+use roberval_scalar::{Magnitude, Scalar};
+
+use crate::sink::SelectedRows;
+use crate::{
+    DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion, Sink, Torques, Tree, dynamics,
+    energy,
+};
+
+/// The three models, each linear in the parameters X.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Model {
+    /// d: the dynamic model (Gautier 1991, eq. (5)).
+    #[default]
+    D,
+    /// d0: the dynamic model at rest (eq. (8)).
+    D0,
+    /// h: the energy model (eq. (10)); only its differences mean anything.
+    H,
+}
+
+impl Model {
+    /// All models.
+    pub const ALL: [Self; 3] = [Self::D, Self::D0, Self::H];
+
+    /// `d`, `d0` or `h`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::D => "d",
+            Self::D0 => "d0",
+            Self::H => "h",
+        }
+    }
+
+    /// Rows a sample gives, for n joints.
+    #[must_use]
+    pub fn rows(self, dof: usize) -> usize {
+        match self {
+            Self::D | Self::D0 => dof,
+            Self::H => 1,
+        }
+    }
+}
+
+/// What is wrong with the arrays handed to a [`Regressor`].
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RegressorError {
+    /// An array has the wrong number of entries.
+    #[error("{array} has {found} entries, expected {expected} ({shape})")]
+    Length {
+        /// Which array.
+        array: &'static str,
+        /// What its shape should be.
+        shape: String,
+        /// Entries expected.
+        expected: usize,
+        /// Entries found.
+        found: usize,
+    },
+    /// An entry is NaN or infinite.
+    #[error("{array}[{sample}, {joint}] is {value}: joint states must be finite numbers")]
+    NotFinite {
+        /// Which array.
+        array: &'static str,
+        /// Row, from 0.
+        sample: usize,
+        /// Column, from 0.
+        joint: usize,
+        /// What was found.
+        value: f64,
+    },
+}
+
+/// The regressor of a mechanism over float samples.
+///
+/// States are row-major: `q`, `qd`, `qdd` hold N x n numbers (rad or m, per s, per s^2),
+/// n being the moving joints in link order. Rows come as (N, n, C) for d and d0, (N, C)
+/// for h, in C order, so that a reshape gives W.
+#[derive(Debug, Clone)]
+pub struct Regressor {
+    tree: Tree<f64>,
+    space: ParameterSpace,
+}
+
+impl Regressor {
+    /// The regressor of a mechanism.
+    #[must_use]
+    pub fn new(mechanism: &Mechanism) -> Self {
+        Self {
+            tree: Tree::of(mechanism),
+            space: mechanism.parameters(),
+        }
+    }
+
+    /// Number of joint variables n.
+    #[must_use]
+    pub fn dof(&self) -> usize {
+        self.tree.dof
+    }
+
+    /// The parameters in column order.
+    #[must_use]
+    pub fn parameters(&self) -> &ParameterSpace {
+        &self.space
+    }
+
+    /// All columns of a model: fills `out` (N x rows x C).
+    ///
+    /// # Errors
+    /// [`RegressorError`] if an array has the wrong length or a state is not finite.
+    pub fn fill(
+        &self,
+        model: Model,
+        states: States<'_>,
+        out: &mut [f64],
+    ) -> Result<(), RegressorError> {
+        let samples = states.check(self.dof())?;
+        let width = self.space.len();
+        check_out(model, samples, self.dof(), width, out.len())?;
+        let mut motion = Vec::new();
+        let mut rows = Rows::new(&self.tree, &self.space, None);
+        let size = model.rows(self.dof()) * width;
+        for (sample, out) in out.chunks_exact_mut(size.max(1)).enumerate() {
+            states.motion(&self.tree, model, sample, &mut motion);
+            rows.write(model, &motion, out);
+        }
+        Ok(())
+    }
+
+    /// A choice of columns, in the order given: the reduced models d1 and h1. Fills
+    /// `out` (N x rows x b).
+    ///
+    /// # Errors
+    /// [`RegressorError`] if an array has the wrong length or a state is not finite.
+    pub fn fill_columns(
+        &self,
+        model: Model,
+        columns: &[usize],
+        states: States<'_>,
+        out: &mut [f64],
+    ) -> Result<(), RegressorError> {
+        let samples = states.check(self.dof())?;
+        check_out(model, samples, self.dof(), columns.len(), out.len())?;
+        let mut motion = Vec::new();
+        let mut rows = Rows::new(&self.tree, &self.space, Some(columns));
+        let size = model.rows(self.dof()) * columns.len();
+        for (sample, out) in out.chunks_exact_mut(size.max(1)).enumerate() {
+            states.motion(&self.tree, model, sample, &mut motion);
+            rows.write(model, &motion, out);
+        }
+        Ok(())
+    }
+
+    /// The entrywise magnitudes of [`Regressor::fill`]: what the entries would be if
+    /// nothing cancelled. An entry below a few eps of its magnitude is rounding noise.
+    ///
+    /// # Errors
+    /// [`RegressorError`] if an array has the wrong length or a state is not finite.
+    pub fn fill_magnitudes(
+        &self,
+        model: Model,
+        states: States<'_>,
+        out: &mut [f64],
+    ) -> Result<(), RegressorError> {
+        let samples = states.check(self.dof())?;
+        let width = self.space.len();
+        check_out(model, samples, self.dof(), width, out.len())?;
+        let tree = self.tree.magnitude();
+        let (mut motion, mut sizes) = (Vec::new(), Vec::new());
+        let mut rows = Rows::new(&tree, &self.space, None);
+        let size = model.rows(self.dof()) * width;
+        let mut magnitudes = vec![Magnitude::default(); size];
+        for (sample, out) in out.chunks_exact_mut(size.max(1)).enumerate() {
+            states.motion(&self.tree, model, sample, &mut motion);
+            sizes.clear();
+            sizes.extend(motion.iter().map(JointMotion::magnitude));
+            rows.write(model, &sizes, &mut magnitudes);
+            for (out, magnitude) in out.iter_mut().zip(&magnitudes) {
+                *out = magnitude.value();
+            }
+        }
+        Ok(())
+    }
+
+    /// The torques Gamma = d X of the standard parameters `x` (C numbers): N x n.
+    ///
+    /// # Errors
+    /// [`RegressorError`] if an array has the wrong length or a state is not finite.
+    pub fn torques(
+        &self,
+        x: &[f64],
+        states: States<'_>,
+        out: &mut [f64],
+    ) -> Result<(), RegressorError> {
+        let samples = states.check(self.dof())?;
+        check_length("x", self.space.len(), x.len(), "one number a parameter")?;
+        check_out(Model::D, samples, self.dof(), 1, out.len())?;
+        let mut motion = Vec::new();
+        let mut workspace = DynamicsWorkspace::new(&self.tree);
+        for (sample, torques) in out.chunks_exact_mut(self.dof()).enumerate() {
+            torques.fill(0.0);
+            states.motion(&self.tree, Model::D, sample, &mut motion);
+            let mut sink = Torques {
+                space: &self.space,
+                x,
+                torques,
+            };
+            dynamics(&self.tree, &motion, &mut workspace, &mut sink);
+        }
+        Ok(())
+    }
+}
+
+/// N joint states, row-major.
+#[derive(Debug, Clone, Copy)]
+pub struct States<'a> {
+    /// Positions, N x n.
+    pub q: &'a [f64],
+    /// Velocities, N x n.
+    pub qd: &'a [f64],
+    /// Accelerations, N x n (h does not look at them).
+    pub qdd: &'a [f64],
+}
+
+impl States<'_> {
+    /// The number of samples N.
+    fn check(&self, dof: usize) -> Result<usize, RegressorError> {
+        let samples = self.q.len() / dof;
+        let shape = format!("{samples} samples x {dof} joints");
+        for (array, values) in [("q", self.q), ("qd", self.qd), ("qdd", self.qdd)] {
+            check_length(array, samples * dof, values.len(), &shape)?;
+            if let Some(at) = values.iter().position(|x| !x.is_finite()) {
+                return Err(RegressorError::NotFinite {
+                    array,
+                    sample: at / dof,
+                    joint: at % dof,
+                    value: values[at],
+                });
+            }
+        }
+        Ok(samples)
+    }
+
+    /// How the joints move in one sample, into a vector that is used again.
+    fn motion(
+        &self,
+        tree: &Tree<f64>,
+        model: Model,
+        sample: usize,
+        motion: &mut Vec<JointMotion<f64>>,
+    ) {
+        motion.clear();
+        motion.extend(tree.bodies.iter().map(|body| {
+            let at = sample * tree.dof + body.variable.unwrap_or(0);
+            let qd = if model == Model::D0 { 0.0 } else { self.qd[at] };
+            match body.joint {
+                JointKind::Revolute => JointMotion::revolute(self.q[at], qd, self.qdd[at]),
+                JointKind::Prismatic => JointMotion::prismatic(self.q[at], qd, self.qdd[at]),
+                JointKind::Fixed => JointMotion::prismatic(0.0, 0.0, 0.0),
+            }
+        }));
+    }
+}
+
+/// Writes the rows of one sample, all columns or a choice of them.
+struct Rows<'a, T> {
+    tree: &'a Tree<T>,
+    space: &'a ParameterSpace,
+    /// For a choice: each column's place, and how many are chosen.
+    choice: Option<(Vec<Option<u32>>, usize)>,
+    dynamics: DynamicsWorkspace<T>,
+    energy: EnergyWorkspace<T>,
+}
+
+impl<'a, T: Scalar> Rows<'a, T> {
+    fn new(tree: &'a Tree<T>, space: &'a ParameterSpace, columns: Option<&[usize]>) -> Self {
+        let choice = columns.map(|columns| {
+            let mut places = vec![None; space.len()];
+            for (place, &column) in columns.iter().enumerate() {
+                places[column] = Some(place as u32);
+            }
+            (places, columns.len())
+        });
+        Self {
+            tree,
+            space,
+            choice,
+            dynamics: DynamicsWorkspace::new(tree),
+            energy: EnergyWorkspace::new(tree),
+        }
+    }
+
+    fn write(&mut self, model: Model, motion: &[JointMotion<T>], rows: &mut [T]) {
+        rows.fill(self.tree.constants.zero);
+        let space = self.space;
+        match self.choice.take() {
+            None => self.run(model, motion, &mut DenseRows { space, rows }),
+            Some((places, width)) => {
+                let mut sink = SelectedRows {
+                    space,
+                    places: &places,
+                    width,
+                    rows,
+                };
+                self.run(model, motion, &mut sink);
+                self.choice = Some((places, width));
+            }
+        }
+    }
+
+    fn run(&mut self, model: Model, motion: &[JointMotion<T>], sink: &mut impl Sink<T>) {
+        match model {
+            Model::D | Model::D0 => dynamics(self.tree, motion, &mut self.dynamics, sink),
+            Model::H => energy(self.tree, motion, &mut self.energy, sink),
+        }
+    }
+}
+
+fn check_out(
+    model: Model,
+    samples: usize,
+    dof: usize,
+    width: usize,
+    found: usize,
+) -> Result<(), RegressorError> {
+    let rows = model.rows(dof);
+    let shape = format!("{samples} samples x {rows} rows x {width} columns");
+    check_length("out", samples * rows * width, found, &shape)
+}
+
+fn check_length(
+    array: &'static str,
+    expected: usize,
+    found: usize,
+    shape: &str,
+) -> Result<(), RegressorError> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(RegressorError::Length {
+        array,
+        shape: shape.to_owned(),
+        expected,
+        found,
+    })
+}

@@ -1,0 +1,154 @@
+use roberval_mechanism::{JointKind, Link, Mechanism};
+use roberval_scalar::{Magnitude, Scalar};
+
+use crate::JointMotion;
+use crate::vector::{Mat3, Vec3, add, apply, product, scale};
+
+/// The constants a scalar cannot make by itself.
+#[derive(Debug, Clone, Copy)]
+pub struct Constants<T> {
+    /// 0
+    pub zero: T,
+    /// 1
+    pub one: T,
+    /// 1/2
+    pub half: T,
+}
+
+/// The robot's constants in the recursion's scalar: bodies, antecedents first.
+#[derive(Debug, Clone)]
+pub struct Tree<T> {
+    /// The bodies in parameter order.
+    pub bodies: Vec<Body<T>>,
+    /// Acceleration of gravity in the base frame.
+    pub gravity: Vec3<T>,
+    /// 0, 1 and 1/2.
+    pub constants: Constants<T>,
+    /// Number of joint variables n.
+    pub dof: usize,
+}
+
+/// One link's constants.
+#[derive(Debug, Clone)]
+pub struct Body<T> {
+    /// Index of the antecedent body; `None` is the base.
+    pub antecedent: Option<usize>,
+    /// What the joint allows.
+    pub joint: JointKind,
+    /// Index of the joint variable; `None` for a fixed joint.
+    pub variable: Option<usize>,
+    /// Whether there is an Ia column.
+    pub rotor: bool,
+    /// Rotation from this frame to the antecedent's at joint variable 0.
+    pub rotation: Mat3<T>,
+    /// Origin of this frame in the antecedent's at joint variable 0.
+    pub origin: Vec3<T>,
+    /// Joint axis in this frame. Its length is 1 for floats; a prime field may leave it
+    /// as written and measure the joint's motion in units of it.
+    pub axis: Vec3<T>,
+    /// Squared length of the axis vector.
+    pub axis_squared: T,
+}
+
+impl<T: Scalar> Body<T> {
+    /// Rotation to the antecedent's frame and origin in it, with the joint moved.
+    #[inline(always)]
+    pub(crate) fn placement(&self, motion: &JointMotion<T>) -> (Mat3<T>, Vec3<T>) {
+        match self.joint {
+            JointKind::Revolute => (
+                product(&self.rotation, &motion.rotation(self.axis)),
+                self.origin,
+            ),
+            JointKind::Prismatic => {
+                let shift = apply(&self.rotation, scale(self.axis, motion.q));
+                (self.rotation, add(self.origin, shift))
+            }
+            JointKind::Fixed => (self.rotation, self.origin),
+        }
+    }
+}
+
+impl<T: Scalar> Tree<T> {
+    /// The number of bodies between the base and each body, itself included: an upper
+    /// bound of the rows that its columns occupy.
+    pub(crate) fn depths(&self) -> Vec<usize> {
+        let mut depths = Vec::with_capacity(self.bodies.len());
+        for body in &self.bodies {
+            depths.push(1 + body.antecedent.map_or(0, |a| depths[a]));
+        }
+        depths
+    }
+
+    /// The same tree over another scalar.
+    pub fn map<S>(&self, convert: impl Fn(T) -> S) -> Tree<S> {
+        let vector = |v: &Vec3<T>| v.map(&convert);
+        Tree {
+            bodies: self
+                .bodies
+                .iter()
+                .map(|b| Body {
+                    antecedent: b.antecedent,
+                    joint: b.joint,
+                    variable: b.variable,
+                    rotor: b.rotor,
+                    rotation: b.rotation.map(|row| vector(&row)),
+                    origin: vector(&b.origin),
+                    axis: vector(&b.axis),
+                    axis_squared: convert(b.axis_squared),
+                })
+                .collect(),
+            gravity: vector(&self.gravity),
+            constants: Constants {
+                zero: convert(self.constants.zero),
+                one: convert(self.constants.one),
+                half: convert(self.constants.half),
+            },
+            dof: self.dof,
+        }
+    }
+}
+
+impl Tree<f64> {
+    /// The float constants of a mechanism.
+    #[must_use]
+    pub fn of(mechanism: &Mechanism) -> Self {
+        let mut dof = 0;
+        let bodies = mechanism
+            .links
+            .iter()
+            .map(|link| Body {
+                antecedent: link.antecedent,
+                joint: link.joint,
+                variable: next_variable(link, &mut dof),
+                rotor: link.rotor,
+                rotation: std::array::from_fn(|i| std::array::from_fn(|j| link.rotation[(i, j)])),
+                origin: link.origin.into(),
+                axis: link.axis.into(),
+                axis_squared: 1.0,
+            })
+            .collect();
+        Self {
+            bodies,
+            gravity: mechanism.gravity.into(),
+            constants: Constants {
+                zero: 0.0,
+                one: 1.0,
+                half: 0.5,
+            },
+            dof,
+        }
+    }
+
+    /// The magnitudes of the constants, for error bounds.
+    #[must_use]
+    pub fn magnitude(&self) -> Tree<Magnitude> {
+        self.map(Magnitude::of)
+    }
+}
+
+fn next_variable(link: &Link, dof: &mut usize) -> Option<usize> {
+    (link.joint != JointKind::Fixed).then(|| {
+        *dof += 1;
+        *dof - 1
+    })
+}
