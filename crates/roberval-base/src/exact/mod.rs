@@ -1,0 +1,14 @@
+//! The exact engine: structural rank, choice and relations without a tolerance.
+//!
+//! The recursion runs over two prime fields with independent random states; elimination
+//! in column order gives rank, choice and beta in one pass. A nonzero minor modulo a
+//! prime is nonzero, so that the rank is never overestimated; it is underestimated with
+//! a probability that is computed (Schwartz-Zippel). Both fields must agree.
+
+mod decision;
+mod number;
+mod run;
+mod surd;
+
+pub use decision::{ExactDecision, ExactError, decide_exactly};
+pub use number::ExactNumber;
