@@ -28,6 +28,8 @@ pub struct Family {
 pub enum Angles {
     /// Multiples of 90 degrees: where regrouping happens.
     Right,
+    /// Multiples of 15 degrees.
+    Twelfths,
     /// Whole degrees, rarely special.
     Oblique,
     /// Either, link by link.
@@ -126,6 +128,7 @@ impl Family {
         }
         let right = match self.angles {
             Angles::Right => true,
+            Angles::Twelfths => return degrees(15 * (random.below(24) as i64 - 11)),
             Angles::Oblique => false,
             Angles::Mixed => random.below(3) > 0,
         };

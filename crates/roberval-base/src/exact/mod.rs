@@ -5,10 +5,10 @@
 //! prime is nonzero, so that the rank is never overestimated; it is underestimated with
 //! a probability that is computed (Schwartz-Zippel). Both fields must agree.
 
+mod coefficients;
 mod decision;
 mod number;
 mod run;
-mod surd;
 
 pub use decision::{ExactDecision, ExactError, decide_exactly};
 pub use number::ExactNumber;

@@ -32,6 +32,8 @@ pub(crate) struct Run {
     /// Residues of the square roots of 2 and 3 that the angles mean.
     pub sqrt2: u64,
     pub sqrt3: u64,
+    /// Whether lengths of the description have square roots.
+    pub roots: bool,
 }
 
 /// Analyses the mechanism in a random prime field, keeping the first independent columns
@@ -131,6 +133,7 @@ fn eliminate<'m>(
         degree: exact.degree(),
         sqrt2: exact.sqrt2().residue(),
         sqrt3: exact.sqrt3().residue(),
+        roots: exact.has_roots(),
     }
 }
 

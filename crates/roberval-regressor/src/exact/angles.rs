@@ -22,14 +22,18 @@ pub(crate) type Rotation<T> = (T, T);
 /// The order n of the rotation whose powers are the robot's rational angles: primes must
 /// be -1 modulo n.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct AngleOrder(u64);
+pub struct AngleOrder {
+    order: u64,
+    /// The least order that the description's own angles need.
+    needed: u64,
+}
 
 impl AngleOrder {
     /// The least order that holds the description's rational multiples of pi (of those
     /// with unwieldy denominators, as many as fit).
     #[must_use]
     pub fn of(robot: &RobotDescription) -> Self {
-        let mut order = USUAL_ORDER;
+        let (mut order, mut needed) = (USUAL_ORDER, 1);
         for angle in angles(robot) {
             let Some(turns) = LinearInPi::of(&angle.expr, &robot.constants) else {
                 continue;
@@ -39,16 +43,31 @@ impl AngleOrder {
                 let both = u128::from(order).lcm(&u128::from(denominator));
                 if both <= u128::from(LARGEST_ORDER) {
                     order = both as u64;
+                    needed = needed.lcm(&denominator);
                 }
             }
         }
-        Self(order)
+        Self { order, needed }
     }
 
     /// n
     #[must_use]
     pub fn get(self) -> u64 {
-        self.0
+        self.order
+    }
+
+    /// Whether all rational angles are multiples of 90 degrees, so that their cosines
+    /// and sines are whole.
+    #[must_use]
+    pub fn right(self) -> bool {
+        4_u64.is_multiple_of(self.needed)
+    }
+
+    /// Whether all rational angles are multiples of 15 degrees, so that their cosines
+    /// and sines are sums of fractions of 1, sqrt(2), sqrt(3) and sqrt(6).
+    #[must_use]
+    pub fn twelfths(self) -> bool {
+        24_u64.is_multiple_of(self.needed)
     }
 }
 
@@ -116,10 +135,10 @@ impl<'m> Angles<'m> {
         conjugate: u64,
         mut random: SplitMix64,
     ) -> Self {
-        let root = power(root_of_order(modulus, order.0, &mut random), conjugate);
+        let root = power(root_of_order(modulus, order.order, &mut random), conjugate);
         Self {
             modulus,
-            order: order.0,
+            order: order.order,
             root,
             generic: HashMap::new(),
             random,
@@ -206,14 +225,16 @@ fn random_point<'m>(modulus: &'m Modulus, random: &mut SplitMix64) -> Rotation<F
     }
 }
 
-/// A rotation whose least power that is the identity is the n-th.
+/// A rotation whose least power that is the identity is the n-th (n a multiple of 4) and
+/// whose n/4-th power is the quarter turn (0, 1): not its mirror image (0, -1).
 fn root_of_order<'m>(modulus: &'m Modulus, n: u64, random: &mut SplitMix64) -> Rotation<Fp<'m>> {
     let identity = (modulus.integer(1), modulus.integer(0));
     let divisors: Vec<u64> = prime_factors(n);
     loop {
         let root = power(random_point(modulus, random), (modulus.p() + 1) / n);
         if divisors.iter().all(|q| power(root, n / q) != identity) {
-            return root;
+            let mirrored = power(root, n / 4).1 != modulus.integer(1);
+            return (root.0, if mirrored { -root.1 } else { root.1 });
         }
     }
 }

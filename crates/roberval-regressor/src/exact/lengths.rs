@@ -1,5 +1,7 @@
 //! Lengths and other numbers of a description in a prime field.
 
+use std::cell::Cell;
+
 use num_rational::BigRational;
 use num_traits::{One, ToPrimitive, Zero};
 use roberval_scalar::{Expr, Fp, LinearInPi, Quantity};
@@ -16,6 +18,8 @@ pub(crate) struct Lengths<'m, 'd> {
     pub constants: &'d [(String, Quantity)],
     /// pi is transcendental: a random value stands for it.
     pub pi: Fp<'m>,
+    /// Set when a square root was met that is no fraction.
+    pub roots: Cell<bool>,
 }
 
 impl<'m> Lengths<'m, '_> {
@@ -26,6 +30,7 @@ impl<'m> Lengths<'m, '_> {
                 self.fraction(&exact.rational)? + self.fraction(&exact.half_turns)? * self.pi
             );
         }
+        self.roots.set(true);
         self.expr(&quantity.expr, angles)
     }
 

@@ -1,3 +1,5 @@
+use std::cell::Cell;
+
 use roberval_mechanism::{
     Geometry, JointKind, LinkDescription, MdhGeometry, Mechanism, Origin, ParameterSpace,
 };
@@ -31,6 +33,7 @@ pub struct ExactModel<'m> {
     generic: Vec<String>,
     rotations: usize,
     roots: [Fp<'m>; 2],
+    has_roots: bool,
 }
 
 impl<'m> ExactModel<'m> {
@@ -57,6 +60,7 @@ impl<'m> ExactModel<'m> {
                 modulus,
                 constants: &description.constants,
                 pi,
+                roots: Cell::new(false),
             },
             constants: Constants {
                 zero: modulus.integer(0),
@@ -82,9 +86,16 @@ impl<'m> ExactModel<'m> {
             },
             space: mechanism.parameters(),
             roots: build.angles.roots(),
+            has_roots: build.lengths.roots.get(),
             generic: build.angles.generic_texts,
             rotations: build.angles.generic_rotations,
         })
+    }
+
+    /// The robot's constants in the field.
+    #[must_use]
+    pub fn tree(&self) -> &Tree<Fp<'m>> {
+        &self.tree
     }
 
     /// The angles that stand for generic ones, as written.
@@ -103,6 +114,12 @@ impl<'m> ExactModel<'m> {
     #[must_use]
     pub fn sqrt3(&self) -> Fp<'m> {
         self.roots[1]
+    }
+
+    /// Whether numbers of the description have square roots that are no fractions.
+    #[must_use]
+    pub fn has_roots(&self) -> bool {
+        self.has_roots
     }
 
     /// An upper bound of the degree of a row's entries, denominators cleared, in the
