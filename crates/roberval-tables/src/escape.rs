@@ -91,7 +91,10 @@ mod tests {
 
     #[test]
     fn terminals_never_see_control_characters() {
-        assert_eq!(plain("a\x1b[31mb\n\u{202e}c"), "a\\u{1b}[31mb\\u{a}\\u{202e}c");
+        assert_eq!(
+            plain("a\x1b[31mb\n\u{202e}c"),
+            "a\\u{1b}[31mb\\u{a}\\u{202e}c"
+        );
     }
 
     #[test]
@@ -114,7 +117,10 @@ mod tests {
     #[test]
     fn latex_shows_commands_as_text() {
         assert_eq!(latex("\\input{a}"), "\\textbackslash{}input\\{a\\}");
-        assert_eq!(latex("50% & $x_1^2$ ~"), "50\\% \\& \\$x\\_1\\textasciicircum{}2\\$ \\textasciitilde{}");
+        assert_eq!(
+            latex("50% & $x_1^2$ ~"),
+            "50\\% \\& \\$x\\_1\\textasciicircum{}2\\$ \\textasciitilde{}"
+        );
         assert_eq!(latex("--?`"), "-{}-{}?{}`{}");
     }
 

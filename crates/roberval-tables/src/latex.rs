@@ -53,7 +53,11 @@ fn table(table: &Table) -> String {
         .map(|c| if c.right { 'r' } else { 'l' })
         .collect();
     let mut text = format!("\\begin{{longtable}}{{{align}}}\n\\toprule\n");
-    text += &row(table.columns.iter().map(|c| escape::latex(c.title)).collect());
+    text += &row(table
+        .columns
+        .iter()
+        .map(|c| escape::latex(c.title))
+        .collect());
     text += "\\midrule\n\\endhead\n\\bottomrule\n\\endfoot\n";
     for cells in &table.rows {
         text += &row(cells.iter().map(cell).collect());

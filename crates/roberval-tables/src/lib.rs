@@ -119,6 +119,13 @@ pub fn base(answer: &BaseParameters, warnings: &[String], format: Format) -> Str
     }
 }
 
+/// Text with control characters and invisible ones as escapes such as `\u{1b}`: what a
+/// terminal or a log may see of a name from a robot file.
+#[must_use]
+pub fn printable(text: &str) -> String {
+    escape::plain(text)
+}
+
 /// The relations that are not trivial, in the field's notation: `XXR_6 = XX_6 - YY_6`.
 ///
 /// Numbers are rounded to twelve significant digits, names with spaces or operators are

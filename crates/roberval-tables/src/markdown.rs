@@ -22,9 +22,11 @@ fn block(block: &Block) -> String {
             let labels: Vec<String> = labels.iter().map(|l| markdown_code(&l.text())).collect();
             format!("{} {}\n", markdown(lead), labels.join(", "))
         }
-        Block::Relations(relations) => {
-            list(relations.iter().map(|r| markdown_code(&r.pieces().join(" "))))
-        }
+        Block::Relations(relations) => list(
+            relations
+                .iter()
+                .map(|r| markdown_code(&r.pieces().join(" "))),
+        ),
     }
 }
 
@@ -39,7 +41,11 @@ fn table(table: &Table) -> String {
     let row = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
     let mut text = row(table.columns.iter().map(|c| markdown(c.title)).collect());
     let rule = |right: bool| if right { "---:" } else { ":---" };
-    text += &row(table.columns.iter().map(|c| rule(c.right).to_owned()).collect());
+    text += &row(table
+        .columns
+        .iter()
+        .map(|c| rule(c.right).to_owned())
+        .collect());
     for cells in &table.rows {
         text += &row(cells.iter().map(cell).collect());
     }

@@ -20,6 +20,17 @@ pub(crate) fn shortest(x: f64) -> String {
     }
 }
 
+/// A sum, or 0 where all that its terms have left of it is their rounding.
+pub(crate) fn without_dust(sum: f64, largest_term: f64) -> f64 {
+    /// Half a unit of the last of the twelve digits.
+    const DUST: f64 = 0.5e-12;
+    if sum.abs() <= DUST * largest_term {
+        0.0
+    } else {
+        sum
+    }
+}
+
 /// `1.2345e-05`: numbers of a column have the same width.
 pub(crate) fn scientific(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {

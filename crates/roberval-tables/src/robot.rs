@@ -8,12 +8,13 @@ use crate::number::shortest;
 /// `6 joints (6 revolute), gravity (0, 0, -9.81) m/s^2`
 pub(crate) fn joints_and_gravity(mechanism: &Mechanism) -> String {
     let count = |kind| mechanism.links.iter().filter(|l| l.joint == kind).count();
-    let kinds = [JointKind::Revolute, JointKind::Prismatic, JointKind::Fixed].map(|kind| {
-        match count(kind) {
-            0 => None,
-            n => Some(format!("{n} {}", kind_name(kind))),
-        }
-    });
+    let kinds =
+        [JointKind::Revolute, JointKind::Prismatic, JointKind::Fixed].map(|kind| {
+            match count(kind) {
+                0 => None,
+                n => Some(format!("{n} {}", kind_name(kind))),
+            }
+        });
     let kinds: Vec<String> = kinds.into_iter().flatten().collect();
     let links = mechanism.links.len();
     let gravity: Vec<String> = mechanism.gravity.iter().map(|&g| shortest(g)).collect();

@@ -194,7 +194,10 @@ mod tests {
     fn a_cut_text_keeps_head_and_tail_and_its_width() {
         assert_eq!(cut("abcdefghij", 10), "abcdefghij");
         assert_eq!(cut("abcdefghijk", 7), "abc~ijk");
-        assert_eq!(cut("\u{8155}\u{8155}\u{8155}\u{8155}", 6), "\u{8155}~\u{8155}");
+        assert_eq!(
+            cut("\u{8155}\u{8155}\u{8155}\u{8155}", 6),
+            "\u{8155}~\u{8155}"
+        );
         assert!((1..12).all(|w| cut("\u{8155}bc\u{8155}ef\u{8155}hi", w).width() <= w));
     }
 

@@ -3,7 +3,7 @@ use roberval_mechanism::ParameterKind;
 
 use super::{Class, values};
 use crate::document::{Block, Column, Document, Item, Table};
-use crate::number::{scientific, shortest, size};
+use crate::number::{scientific, shortest, size, without_dust};
 use crate::relation::{self, Label};
 use crate::robot;
 
@@ -190,11 +190,18 @@ fn values_table(answer: &BaseParameters) -> Document {
     let Some((x, xb)) = values(answer) else {
         return Vec::new();
     };
-    let rows = answer.base.iter().zip(&xb).map(|(&column, value)| {
+    let relations = answer.relations();
+    let rows = relations.iter().zip(&xb).map(|(relation, value)| {
+        let column = relation.base;
+        let terms = relation
+            .terms
+            .iter()
+            .map(|&(c, coefficient)| (coefficient * x[c]).abs());
+        let largest = terms.fold(x[column].abs(), f64::max);
         vec![
             Item::Label(Label::of_base(answer, column)),
             Item::Number(shortest(x[column])),
-            Item::Number(shortest(*value)),
+            Item::Number(shortest(without_dust(*value, largest))),
         ]
     });
     vec![

@@ -71,7 +71,11 @@ fn values_json(answer: &BaseParameters) -> Value {
         return json!({"X": null, "XB": null});
     };
     let labels = answer.parameters.labels();
-    let x: Map<String, Value> = labels.iter().cloned().zip(x.iter().map(|x| json!(x))).collect();
+    let x: Map<String, Value> = labels
+        .iter()
+        .cloned()
+        .zip(x.iter().map(|x| json!(x)))
+        .collect();
     let base = answer.base.iter().map(|&c| labels[c].clone());
     let xb: Map<String, Value> = base.zip(xb.iter().map(|x| json!(x))).collect();
     json!({"X": x, "XB": xb})
