@@ -35,6 +35,8 @@ pub(crate) enum Command {
     Show(ShowArgs),
     /// Find the base parameters and how the others regroup onto them
     Base(BaseArgs),
+    /// Analyse all models by all engines and tell whether they agree
+    Compare(CompareArgs),
 }
 
 #[derive(Debug, Args)]
@@ -53,6 +55,16 @@ pub(crate) struct BaseArgs {
     pub robot: RobotArgs,
     #[command(flatten)]
     pub method: MethodArgs,
+    #[command(flatten)]
+    pub choice: ChoiceArgs,
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CompareArgs {
+    #[command(flatten)]
+    pub robot: RobotArgs,
     #[command(flatten)]
     pub choice: ChoiceArgs,
     #[command(flatten)]

@@ -3,9 +3,11 @@
 use std::io::Write;
 
 use roberval_base::base_parameters;
-use roberval_tables as tables;
+use roberval_formats::catalogue;
+use roberval_mechanism::Mechanism;
+use roberval_tables::{self as tables, Format, RobotEntry};
 
-use crate::arguments::{BaseArgs, Command, ShowArgs};
+use crate::arguments::{BaseArgs, Command, CompareArgs, OutputArgs, ShowArgs};
 use crate::error::CliError;
 use crate::output::Target;
 use crate::robot::load;
@@ -18,29 +20,79 @@ pub(crate) fn execute(
     err: &mut dyn Write,
 ) -> Result<i32, CliError> {
     match command {
-        Command::Show(args) => show(args, out, err),
+        Command::Show(args) => show(args, out),
         Command::Base(args) => base(args, out, err),
+        Command::Compare(args) => compare(args, out, err),
     }
 }
 
-fn show(args: &ShowArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
-    let _ = (args, out, err);
+fn show(args: &ShowArgs, out: &mut dyn Write) -> Result<i32, CliError> {
+    answer(&args.output, out, |format| match &args.robot {
+        Some(robot) => Ok(tables::show(&load(robot, &args.reading)?, format)),
+        None => Ok(list(format)),
+    })?;
     Ok(CLEAR)
+}
+
+/// The built-in robots.
+fn list(format: Format) -> String {
+    let entry = |e: &roberval_formats::CatalogueEntry| RobotEntry {
+        name: e.name,
+        title: e.title,
+        source: e.source,
+    };
+    let robots: Vec<RobotEntry> = catalogue().iter().map(entry).collect();
+    tables::catalogue(&robots, format)
 }
 
 fn base(args: &BaseArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
     let options = args.method.options(&args.choice)?;
-    let target = Target::new(args.output.output.as_deref())?;
-    let (description, mechanism) = load(&args.robot.robot, &args.robot.reading, err)?;
-    let answer = base_parameters(&mechanism, &options)?;
-    let text = tables::base(&answer, &description.warnings, args.output.format);
-    target.write(out, |sink| sink.write_all(text.as_bytes()))?;
-    for message in &answer.diagnosis.messages {
-        say(err, "doubt", message);
+    let mut doubts = Vec::new();
+    answer(&args.output, out, |format| {
+        let mechanism = load(&args.robot.robot, &args.robot.reading)?;
+        warn(&mechanism, err);
+        let answer = base_parameters(&mechanism, &options)?;
+        doubts.clone_from(&answer.diagnosis.messages);
+        Ok(tables::base(&answer, format))
+    })?;
+    Ok(verdict(&doubts, err))
+}
+
+fn compare(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
+    let (choice, tolerance) = (args.choice.choice()?, args.choice.tolerance());
+    let mut doubts = Vec::new();
+    answer(&args.output, out, |format| {
+        let mechanism = load(&args.robot.robot, &args.robot.reading)?;
+        warn(&mechanism, err);
+        let comparison = roberval_base::compare(&mechanism, &choice, tolerance, args.choice.seed)?;
+        doubts = tables::doubts(&comparison);
+        Ok(tables::compare(&comparison, format))
+    })?;
+    Ok(verdict(&doubts, err))
+}
+
+/// Computes a text and writes it where it belongs; a bad `-o` is told before computing.
+fn answer(
+    output: &OutputArgs,
+    out: &mut dyn Write,
+    compute: impl FnOnce(Format) -> Result<String, CliError>,
+) -> Result<(), CliError> {
+    let target = Target::new(output.output.as_deref())?;
+    let text = compute(output.format)?;
+    target.write(out, |sink| sink.write_all(text.as_bytes()))
+}
+
+/// Tells what the reader of the robot file noticed.
+fn warn(mechanism: &Mechanism, err: &mut dyn Write) {
+    for warning in &mechanism.description.warnings {
+        say(err, "warning", warning);
     }
-    Ok(if answer.diagnosis.clear {
-        CLEAR
-    } else {
-        DOUBTFUL
-    })
+}
+
+/// Tells the doubts; gives the exit code.
+fn verdict(doubts: &[String], err: &mut dyn Write) -> i32 {
+    for doubt in doubts {
+        say(err, "doubt", doubt);
+    }
+    if doubts.is_empty() { CLEAR } else { DOUBTFUL }
 }

@@ -1,20 +1,13 @@
 //! From the robot argument to the mechanism.
 
-use std::io::Write;
-
 use roberval_formats::{UrdfOptions, load_with};
-use roberval_mechanism::{Mechanism, RobotDescription};
+use roberval_mechanism::Mechanism;
 
 use crate::arguments::ReadingArgs;
 use crate::error::CliError;
-use crate::say;
 
-/// Loads a robot and tells the reader's warnings.
-pub(crate) fn load(
-    robot: &str,
-    reading: &ReadingArgs,
-    err: &mut dyn Write,
-) -> Result<(RobotDescription, Mechanism), CliError> {
+/// Loads a robot.
+pub(crate) fn load(robot: &str, reading: &ReadingArgs) -> Result<Mechanism, CliError> {
     let options = UrdfOptions {
         keep_fixed: reading.keep_fixed,
     };
@@ -22,12 +15,8 @@ pub(crate) fn load(
     if let Some(gravity) = &reading.gravity {
         description.gravity = gravity.0.clone();
     }
-    let mechanism = Mechanism::new(&description).map_err(|error| CliError::Mechanism {
+    Mechanism::new(&description).map_err(|error| CliError::Mechanism {
         robot: robot.to_owned(),
         error,
-    })?;
-    for warning in &description.warnings {
-        say(err, "warning", warning);
-    }
-    Ok((description, mechanism))
+    })
 }

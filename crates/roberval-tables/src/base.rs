@@ -6,7 +6,7 @@ mod json;
 
 pub(crate) use csv::csv;
 pub(crate) use document::document;
-pub(crate) use json::json;
+pub(crate) use json::{diagnosis, json};
 
 use roberval_base::BaseParameters;
 

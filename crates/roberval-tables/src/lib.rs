@@ -6,6 +6,8 @@
 //! its own way. JSON and CSV are for programs: they keep names and numbers as they are.
 
 mod base;
+mod catalogue;
+mod compare;
 mod document;
 mod escape;
 mod json;
@@ -14,12 +16,14 @@ mod markdown;
 mod number;
 mod relation;
 mod robot;
+mod show;
 mod text;
 
 use std::fmt;
 use std::str::FromStr;
 
-use roberval_base::BaseParameters;
+use roberval_base::{BaseParameters, Comparison};
+use roberval_mechanism::Mechanism;
 
 use document::Document;
 
@@ -103,19 +107,68 @@ impl FromStr for Format {
 
 /// The base parameters of a robot.
 ///
-/// `warnings` are those of the robot file; they appear in JSON only (elsewhere they are
-/// diagnosis, not result).
-///
 /// CSV has one row for each standard parameter: `label`, `kind`, `link`, `class`
 /// (`no_effect`, `unchanged`, `regrouped_into` or `regrouped`), `X` and `XB` where known,
 /// `relation` where not trivial, then one column for each base parameter that others
 /// regroup into, with the coefficients of its sum: `XB = sum(column * X)`.
 #[must_use]
-pub fn base(answer: &BaseParameters, warnings: &[String], format: Format) -> String {
+pub fn base(answer: &BaseParameters, format: Format) -> String {
     match format {
-        Format::Json => base::json(answer, warnings),
+        Format::Json => base::json(answer),
         Format::Csv => base::csv(answer),
         _ => format.prose(&base::document(answer)),
+    }
+}
+
+/// A robot as it is understood: links, geometry as written, known inertial parameters.
+#[must_use]
+pub fn show(mechanism: &Mechanism, format: Format) -> String {
+    match format {
+        Format::Json => show::json(mechanism),
+        Format::Csv => show::csv(mechanism),
+        _ => format.prose(&show::document(mechanism)),
+    }
+}
+
+/// All models by all engines, side by side, and whether they agree.
+#[must_use]
+pub fn compare(comparison: &Comparison, format: Format) -> String {
+    match format {
+        Format::Json => compare::json(comparison),
+        Format::Csv => compare::csv(comparison),
+        _ => format.prose(&compare::document(comparison)),
+    }
+}
+
+/// Why a comparison is not clear: the verdict and every route's doubts. Empty if it is.
+#[must_use]
+pub fn doubts(comparison: &Comparison) -> Vec<String> {
+    if comparison.agree {
+        return Vec::new();
+    }
+    let mut sentences = vec![compare::verdict(comparison)];
+    sentences.extend(compare::doubts(comparison));
+    sentences
+}
+
+/// A built-in robot, as [`catalogue`] lists it.
+#[derive(Debug, Clone, Copy)]
+pub struct RobotEntry<'a> {
+    /// Its name for the command line.
+    pub name: &'a str,
+    /// What robot it is.
+    pub title: &'a str,
+    /// Where its numbers come from.
+    pub source: &'a str,
+}
+
+/// The list of built-in robots.
+#[must_use]
+pub fn catalogue(robots: &[RobotEntry<'_>], format: Format) -> String {
+    match format {
+        Format::Json => catalogue::json(robots),
+        Format::Csv => catalogue::csv(robots),
+        _ => format.prose(&catalogue::document(robots)),
     }
 }
 

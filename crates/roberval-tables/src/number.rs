@@ -42,6 +42,15 @@ pub(crate) fn scientific(x: f64) -> String {
     format!("{mantissa}e{exponent:+03}")
 }
 
+/// The shortest text that reads back as `x`; nothing for what is no number.
+pub(crate) fn exact(x: f64) -> String {
+    if x.is_finite() {
+        format!("{:?}", x + 0.0)
+    } else {
+        String::new()
+    }
+}
+
 /// `3.1e13`, or what it is when it is no number.
 pub(crate) fn size(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {

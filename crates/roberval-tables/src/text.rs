@@ -6,7 +6,8 @@ use crate::WIDTH;
 use crate::document::{Block, Document, Item, Table};
 use crate::escape::plain;
 
-/// Cells are cut to this many columns (`head~tail`): lists and relations have all of it.
+/// Cells of folded tables are cut to this many columns (`head~tail`): one long name must
+/// not unfold the table, and lists and relations have all of it.
 const WIDEST_CELL: usize = 36;
 
 /// Lines after the first of a list or relation begin with this many blanks.
@@ -96,7 +97,7 @@ fn set(table: &Table) -> Vec<String> {
     let cells: Vec<Vec<String>> = table
         .rows
         .iter()
-        .map(|row| row.iter().map(cell).collect())
+        .map(|row| row.iter().map(|item| cell(item, table.folded)).collect())
         .collect();
     let widths = widths(table, &cells);
     let total = widths.iter().sum::<usize>() + GUTTER.len() * (widths.len() - 1);
@@ -119,12 +120,16 @@ fn set(table: &Table) -> Vec<String> {
     lines
 }
 
-fn cell(item: &Item) -> String {
+fn cell(item: &Item, folded: bool) -> String {
     let text = match item {
         Item::Text(text) | Item::Number(text) => plain(text),
         Item::Label(label) => label.text(),
     };
-    cut(&text, WIDEST_CELL)
+    if folded {
+        cut(&text, WIDEST_CELL)
+    } else {
+        text
+    }
 }
 
 /// The columns' widths; where they are too wide together, the widest give way.

@@ -2,6 +2,7 @@ use roberval_base::BaseParameters;
 
 use super::{Class, values};
 use crate::escape::csv_cell;
+use crate::number::exact;
 use crate::relation;
 
 /// One row for each standard parameter; see [`crate::base`].
@@ -32,7 +33,7 @@ fn rows(answer: &BaseParameters) -> impl Iterator<Item = Vec<String>> {
             xb[c].clone(),
             relations[c].clone(),
         ];
-        row.extend(columns.iter().map(|column| number(column[c])));
+        row.extend(columns.iter().map(|column| exact(column[c])));
         row
     })
 }
@@ -42,9 +43,9 @@ fn texts(answer: &BaseParameters) -> (Vec<String>, Vec<String>) {
     let empty = vec![String::new(); answer.parameters.len()];
     let (mut x_texts, mut xb_texts) = (empty.clone(), empty);
     if let Some((x, xb)) = values(answer) {
-        x_texts = x.iter().map(|x| number(*x)).collect();
+        x_texts = x.iter().map(|x| exact(*x)).collect();
         for (&column, value) in answer.base.iter().zip(&xb) {
-            xb_texts[column] = number(*value);
+            xb_texts[column] = exact(*value);
         }
     }
     (x_texts, xb_texts)
@@ -73,13 +74,4 @@ fn coefficients(answer: &BaseParameters) -> Vec<Vec<f64>> {
             column
         })
         .collect()
-}
-
-/// The shortest text that reads back as `x`; nothing for what is no number.
-fn number(x: f64) -> String {
-    if x.is_finite() {
-        format!("{}", x + 0.0)
-    } else {
-        String::new()
-    }
 }

@@ -1,4 +1,4 @@
-use roberval_base::{BaseParameters, Choice, Diagnosis, Tally};
+use roberval_base::{BaseParameters, Choice, Tally};
 use serde_json::{Map, Value, json};
 
 use super::values;
@@ -6,7 +6,7 @@ use crate::json::pretty;
 use crate::robot;
 
 /// The answer for programs: `"schema": 1`, keys in this order.
-pub(crate) fn json(answer: &BaseParameters, warnings: &[String]) -> String {
+pub(crate) fn json(answer: &BaseParameters) -> String {
     let value = json!({
         "schema": 1,
         "robot": robot::json(&answer.mechanism),
@@ -26,8 +26,8 @@ pub(crate) fn json(answer: &BaseParameters, warnings: &[String]) -> String {
         "beta": beta(answer),
         "relations": crate::relations(answer),
         "values": values_json(answer),
-        "diagnosis": diagnosis(answer, &answer.diagnosis),
-        "warnings": warnings,
+        "diagnosis": diagnosis(answer),
+        "warnings": answer.mechanism.description.warnings,
     });
     pretty(&value)
 }
@@ -81,7 +81,8 @@ fn values_json(answer: &BaseParameters) -> Value {
     json!({"X": x, "XB": xb})
 }
 
-pub(crate) fn diagnosis(answer: &BaseParameters, diagnosis: &Diagnosis) -> Value {
+pub(crate) fn diagnosis(answer: &BaseParameters) -> Value {
+    let diagnosis = &answer.diagnosis;
     json!({
         "clear": diagnosis.clear,
         "spectrum": diagnosis.spectrum,
