@@ -21,6 +21,15 @@ Examples:
 
 Exit codes: 0 clear, 1 computed but doubtful or engines disagree, 2 bad input.";
 
+const STATES: &str = "\
+States are a CSV file with the columns q_1.., qd_1.. and qdd_1.. (or q_NAME with the name of
+the joint or of its link) in any order, or an NPZ file with the arrays q, qd and qdd of shape
+(N, n). Model d0 needs no qd, model h no qdd.
+
+The array has the shape (N, n, C) for d and d0 and (N, C) for h, in C order, C being the
+standard parameters in the order of `roberval show`, or the base parameters with --base.
+Only differences of the rows of h mean anything.";
+
 /// Base inertial parameters of robots, after Gautier (1991).
 #[derive(Debug, Parser)]
 #[command(name = "roberval", version, about, after_help = EXAMPLES, color = ColorChoice::Never)]
@@ -37,6 +46,9 @@ pub(crate) enum Command {
     Base(BaseArgs),
     /// Analyse all models by all engines and tell whether they agree
     Compare(CompareArgs),
+    /// Write the regressor at joint states from a file as a NumPy array
+    #[command(after_help = STATES)]
+    Regressor(RegressorArgs),
 }
 
 #[derive(Debug, Args)]
@@ -69,6 +81,24 @@ pub(crate) struct CompareArgs {
     pub choice: ChoiceArgs,
     #[command(flatten)]
     pub output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RegressorArgs {
+    #[command(flatten)]
+    pub robot: RobotArgs,
+    /// Joint states: CSV or NPZ
+    pub states: PathBuf,
+    /// Only the columns of the base parameters: the reduced model
+    #[arg(long)]
+    pub base: bool,
+    #[command(flatten)]
+    pub method: MethodArgs,
+    #[command(flatten)]
+    pub choice: ChoiceArgs,
+    /// The NPY file to write (replaced as a whole or not at all); - is the standard output
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
 }
 
 #[derive(Debug, Args)]

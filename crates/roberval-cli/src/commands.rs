@@ -11,7 +11,7 @@ use crate::arguments::{BaseArgs, Command, CompareArgs, OutputArgs, ShowArgs};
 use crate::error::CliError;
 use crate::output::Target;
 use crate::robot::load;
-use crate::{CLEAR, DOUBTFUL, say};
+use crate::{CLEAR, DOUBTFUL, regressor, say};
 
 /// Runs a subcommand; gives the exit code.
 pub(crate) fn execute(
@@ -23,6 +23,7 @@ pub(crate) fn execute(
         Command::Show(args) => show(args, out),
         Command::Base(args) => base(args, out, err),
         Command::Compare(args) => compare(args, out, err),
+        Command::Regressor(args) => regressor::run(args, out, err),
     }
 }
 

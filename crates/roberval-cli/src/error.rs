@@ -5,6 +5,8 @@ use roberval_base::BaseError;
 use roberval_formats::FormatError;
 use roberval_mechanism::MechanismError;
 
+use crate::states::StatesError;
+
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CliError {
@@ -20,6 +22,9 @@ pub(crate) enum CliError {
     /// The method.
     #[error(transparent)]
     Base(#[from] BaseError),
+    /// The file of joint states.
+    #[error(transparent)]
+    States(#[from] StatesError),
     /// Options that do not go together.
     #[error("{0}")]
     Usage(String),

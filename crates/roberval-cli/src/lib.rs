@@ -6,7 +6,9 @@ mod arguments;
 mod commands;
 mod error;
 mod output;
+mod regressor;
 mod robot;
+mod states;
 
 use std::ffi::OsString;
 use std::io::{self, Write};
