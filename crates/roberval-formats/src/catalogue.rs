@@ -22,10 +22,80 @@ pub(crate) fn entry(name: &str) -> Option<&'static CatalogueEntry> {
     CATALOGUE.iter().find(|entry| entry.name == name)
 }
 
-const CATALOGUE: &[CatalogueEntry] = &[CatalogueEntry {
-    name: "puma560",
-    title: "PUMA 560, the paper's example",
-    source: "M. Gautier, Numerical calculation of the base inertial parameters of robots, \
-             Journal of Robotic Systems 8(4), 1991, Tables I and III",
-    toml: include_str!("../catalogue/puma560.toml"),
-}];
+macro_rules! robot {
+    ($name:literal, $title:literal, $source:literal) => {
+        CatalogueEntry {
+            name: $name,
+            title: $title,
+            source: $source,
+            toml: include_str!(concat!("../catalogue/", $name, ".toml")),
+        }
+    };
+}
+
+const CATALOGUE: &[CatalogueEntry] = &[
+    robot!(
+        "puma560",
+        "PUMA 560, the paper's example",
+        "M. Gautier, Numerical calculation of the base inertial parameters of robots, \
+         Journal of Robotic Systems 8(4), 1991, Tables I and III"
+    ),
+    robot!(
+        "two_link",
+        "Planar two-link arm in the vertical plane",
+        "the textbook example, length of our own"
+    ),
+    robot!(
+        "scara",
+        "SCARA, three revolute joints and a prismatic one",
+        "W. Khalil and E. Dombre, Modeling, Identification and Control of Robots, 2002; \
+         lengths of our own"
+    ),
+    robot!(
+        "stanford",
+        "Stanford arm, with a prismatic third joint",
+        "R. Paul, Stanford AIM-177, 1972"
+    ),
+    robot!(
+        "iiwa14",
+        "KUKA LBR iiwa 14 R820, seven joints",
+        "KUKA, data sheet of the LBR iiwa 14 R820"
+    ),
+    robot!(
+        "lwr4",
+        "KUKA LWR 4+, seven joints",
+        "A. Jubien, M. Gautier and A. Janot, Dynamic identification of the Kuka \
+         LightWeight robot, AIM 2014"
+    ),
+    robot!(
+        "panda",
+        "Franka Emika Panda, seven joints",
+        "Franka, Control Interface documentation, Denavit-Hartenberg parameters"
+    ),
+    robot!(
+        "ur5",
+        "Universal Robots UR5",
+        "Universal Robots, DH parameters for calculations of kinematics and dynamics"
+    ),
+    robot!(
+        "ur10",
+        "Universal Robots UR10",
+        "Universal Robots, DH parameters for calculations of kinematics and dynamics"
+    ),
+    robot!(
+        "rx90",
+        "Staubli RX-90",
+        "W. Khalil and E. Dombre, Modeling, Identification and Control of Robots, 2002"
+    ),
+    robot!(
+        "tx40",
+        "Staubli TX40",
+        "M. Gautier and S. Briot, Global identification of joint drive gains and dynamic \
+         parameters of robots, ASME JDSMC 136(5), 2014"
+    ),
+    robot!(
+        "torso",
+        "Torso with two arms, a tree",
+        "proportions of our own"
+    ),
+];

@@ -8,11 +8,13 @@ mod error;
 mod load;
 mod source;
 mod toml;
+mod urdf;
 mod words;
 
 pub use catalogue::{CatalogueEntry, catalogue};
 pub use error::{Code, FormatError, Position};
-pub use load::load;
+pub use load::{load, load_with};
 pub use roberval_mechanism::RobotDescription;
 pub use source::MAX_FILE_BYTES;
 pub use toml::{parse_toml, to_toml};
+pub use urdf::{UrdfOptions, parse_urdf};

@@ -7,19 +7,43 @@ use crate::catalogue::{catalogue, entry};
 use crate::error::{Code, FormatError};
 use crate::source::{MAX_FILE_BYTES, check_size, decode};
 use crate::toml::parse_toml;
+use crate::urdf::{UrdfOptions, parse_urdf};
 use crate::words::{list, nearest};
 
-/// Loads a robot: a built-in one by its name in the catalogue, or a file.
+/// Loads a robot: a built-in one by its name in the catalogue, or a file, robot TOML or
+/// URDF by its extension (`.toml`, `.urdf`, `.xml`) or else by its content.
 ///
 /// # Errors
 /// When there is neither, or the file cannot be read or is no valid robot.
 pub fn load(path_or_name: &str) -> Result<RobotDescription, FormatError> {
+    load_with(path_or_name, UrdfOptions::default())
+}
+
+/// Loads a robot as [`load`] does, URDF files with options.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_with(path_or_name: &str, urdf: UrdfOptions) -> Result<RobotDescription, FormatError> {
     if let Some(entry) = entry(path_or_name) {
         return parse_toml(entry.toml, entry.name);
     }
     let bytes = read(path_or_name)?;
     let text = decode(path_or_name, &bytes)?;
-    parse_toml(text, path_or_name)
+    let extension = Path::new(path_or_name)
+        .extension()
+        .map(|e| e.to_string_lossy().to_ascii_lowercase());
+    let is_xml = match extension.as_deref() {
+        Some("toml") => false,
+        Some("urdf" | "xml") => true,
+        _ => text
+            .trim_start_matches(['\u{feff}', ' ', '\t', '\r', '\n'])
+            .starts_with('<'),
+    };
+    if is_xml {
+        parse_urdf(text, path_or_name, urdf)
+    } else {
+        parse_toml(text, path_or_name)
+    }
 }
 
 fn read(path: &str) -> Result<Vec<u8>, FormatError> {

@@ -1,5 +1,6 @@
 use std::collections::HashMap;
 
+use nalgebra::{Matrix3, Vector3};
 use roberval_scalar::Quantity;
 
 /// What a robot file says, with its numbers as written. Links stand in file order.
@@ -47,7 +48,7 @@ impl RobotDescription {
                 })?),
             });
         }
-        match cycle(&antecedents) {
+        match find_cycle(&antecedents) {
             None => Ok(antecedents),
             Some(links) => Err(TreeError::Cycle {
                 names: links.iter().map(|l| self.links[*l].name.clone()).collect(),
@@ -57,26 +58,27 @@ impl RobotDescription {
     }
 }
 
-/// Some links, each the antecedent of the one before and the first that of the last,
-/// if there are such.
-fn cycle(antecedents: &[Option<usize>]) -> Option<Vec<usize>> {
-    // 0: not seen; else the number of the walk that saw the link first.
-    let mut seen = vec![0; antecedents.len()];
-    for start in 0..antecedents.len() {
+/// A circle in which every index points to the next one and the last to the first, if
+/// there is one. Used for links that stand on links and for joints that copy joints.
+#[must_use]
+pub fn find_cycle(next: &[Option<usize>]) -> Option<Vec<usize>> {
+    // 0: not seen; else the number of the walk that saw the index first.
+    let mut seen = vec![0; next.len()];
+    for start in 0..next.len() {
         let mut at = start;
         while seen[at] == 0 {
             seen[at] = start + 1;
-            match antecedents[at] {
-                Some(next) => at = next,
+            match next[at] {
+                Some(after) => at = after,
                 None => break,
             }
         }
-        if seen[at] == start + 1 && antecedents[at].is_some() {
-            let mut links = vec![at];
-            while let Some(next) = antecedents[links[links.len() - 1]].filter(|l| *l != at) {
-                links.push(next);
+        if seen[at] == start + 1 && next[at].is_some() {
+            let mut circle = vec![at];
+            while let Some(after) = next[circle[circle.len() - 1]].filter(|i| *i != at) {
+                circle.push(after);
             }
-            return Some(links);
+            return Some(circle);
         }
     }
     None
@@ -172,6 +174,7 @@ pub enum JointKind {
 
 /// Where a link's frame lies on its antecedent.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a robot has few links")]
 pub enum Geometry {
     /// Modified Denavit-Hartenberg parameters.
     Mdh(Box<MdhGeometry>),
@@ -213,6 +216,29 @@ pub struct Origin {
     pub rpy: [Quantity; 3],
 }
 
+impl Origin {
+    /// The placement in doubles: rotation R and position p, so that a point x of the
+    /// placed frame is at R x + p.
+    #[must_use]
+    pub fn placement(&self) -> (Matrix3<f64>, Vector3<f64>) {
+        let [roll, pitch, yaw] = [0, 1, 2].map(|k| self.rpy[k].value.sin_cos());
+        let ((sr, cr), (sp, cp), (sy, cy)) = (roll, pitch, yaw);
+        let rotation = Matrix3::new(
+            cy * cp,
+            cy * sp * sr - sy * cr,
+            cy * sp * cr + sy * sr,
+            sy * cp,
+            sy * sp * sr + cy * cr,
+            sy * sp * cr - cy * sr,
+            -sp,
+            cp * sr,
+            cp * cr,
+        );
+        let position = Vector3::from_fn(|k, _| self.xyz[k].value);
+        (rotation, position)
+    }
+}
+
 /// q = multiplier * q(joint) + offset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mimic {
@@ -222,4 +248,39 @@ pub struct Mimic {
     pub multiplier: Quantity,
     /// Offset, default 0.
     pub offset: Quantity,
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Rotation3, Unit};
+
+    use super::*;
+
+    #[test]
+    fn a_circle_is_found_and_a_tree_has_none() {
+        assert_eq!(find_cycle(&[None, Some(0), Some(0), Some(2)]), None);
+        assert_eq!(find_cycle(&[Some(0)]), Some(vec![0]));
+        assert_eq!(
+            find_cycle(&[None, Some(3), Some(1), Some(4), Some(1)]),
+            Some(vec![1, 3, 4])
+        );
+    }
+
+    #[test]
+    fn an_origin_turns_about_fixed_x_then_y_then_z() {
+        let number = |x: f64| Quantity::from_f64(x).unwrap();
+        let origin = Origin {
+            joint: "j".into(),
+            xyz: [1.0, 2.0, 3.0].map(number),
+            rpy: [0.3, -0.7, 1.9].map(number),
+        };
+        let about = |axis: Vector3<f64>, angle| {
+            *Rotation3::from_axis_angle(&Unit::new_normalize(axis), angle).matrix()
+        };
+        let expected =
+            about(Vector3::z(), 1.9) * about(Vector3::y(), -0.7) * about(Vector3::x(), 0.3);
+        let (rotation, position) = origin.placement();
+        assert!((rotation - expected).amax() < 1e-15);
+        assert_eq!(position, Vector3::new(1.0, 2.0, 3.0));
+    }
 }

@@ -13,7 +13,7 @@ mod placement;
 
 pub use description::{
     Geometry, JointKind, LinkDescription, MdhGeometry, Mimic, Origin, RobotDescription,
-    SourceFormat, TreeError,
+    SourceFormat, TreeError, find_cycle,
 };
 pub use mechanism::{Link, Mechanism, MechanismError};
 pub use parameters::{ParameterId, ParameterKind, ParameterSpace};

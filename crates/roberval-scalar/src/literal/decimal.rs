@@ -184,6 +184,8 @@ fn not_a_number(text: &str, offset: usize) -> LiteralError {
     let rest = &text[offset..];
     error.hint(if text.is_empty() {
         "write a decimal number such as 0.25"
+    } else if rest == "," {
+        "leave the comma out: numbers are separated by spaces"
     } else if rest.starts_with(',') {
         "write a decimal point, not a comma"
     } else if rest.starts_with(['x', 'X']) {

@@ -64,7 +64,7 @@ fn degrees_equal_the_fractions_of_pi() {
     assert_eq!(angle("45/2 deg"), FRAC_PI_8);
     assert_eq!(angle("-pi/2"), -FRAC_PI_2);
     assert_eq!(angle("3*pi/4"), 3.0 * PI / 4.0);
-    assert_eq!(angle("-1.5707"), -1.5707);
+    assert_eq!(angle("-1.25"), -1.25);
 }
 
 #[test]

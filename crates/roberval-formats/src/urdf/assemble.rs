@@ -1,0 +1,200 @@
+use roberval_mechanism::{
+    Geometry, JointKind, LinkDescription, Origin, RobotDescription, SourceFormat,
+};
+use roberval_scalar::Quantity;
+
+use super::UrdfOptions;
+use super::inertia::Inertia;
+use super::joint::Joint;
+use super::link::Link;
+use super::tree::Tree;
+use crate::error::{Code, FormatError};
+use crate::source::Source;
+use crate::words::{list, quoted};
+
+/// The most placements that a description holds: a long chain of fixed joints with a
+/// moving joint on each link would need the square of their number.
+const MAX_PLACEMENTS: usize = 200_000;
+
+/// The description of a checked tree: one link for each joint that is kept.
+pub(super) fn description(
+    source: &Source,
+    name: String,
+    links: &[Link],
+    joints: &[Joint],
+    tree: &Tree,
+    options: UrdfOptions,
+) -> Result<RobotDescription, FormatError> {
+    let kept = |j: usize| options.keep_fixed || joints[j].kind != JointKind::Fixed;
+    let inertias = lumped(links, joints, tree, kept);
+    let mut described = Vec::new();
+    let mut placements = 0;
+    for &j in tree.order.iter().filter(|j| kept(**j)) {
+        let (parent, child) = tree.ends[j];
+        let (antecedent, chain) = fixed_chain(tree, kept, parent);
+        placements += chain.len() + 1;
+        if placements > MAX_PLACEMENTS {
+            let what = format!("lumping fixed joints needs more than {MAX_PLACEMENTS} placements");
+            return Err(source
+                .error(Code::TooMany, joints[j].offset, what)
+                .hint("keep the fixed joints as links of their own"));
+        }
+        let origins = chain.iter().rev().chain([&j]).map(|c| &joints[*c].origin);
+        let inertia = inertias[child].map_or(Ok(Default::default()), |i| i.parameters());
+        let link = &links[child];
+        let inertia = inertia.map_err(|error| {
+            source
+                .error(error.fault.into(), link.offset, "its inertia is too large")
+                .place(format!("link {}", quoted(&link.name)))
+        })?;
+        let antecedent = antecedent.map(|l| links[l].name.clone());
+        described.push(link_description(
+            link,
+            &joints[j],
+            antecedent,
+            origins.cloned().collect(),
+            inertia,
+        ));
+    }
+    let down = Quantity::parse_decimal("-9.81").unwrap_or_else(|_| Quantity::zero());
+    Ok(RobotDescription {
+        name,
+        gravity: [Quantity::zero(), Quantity::zero(), down],
+        constants: Vec::new(),
+        warnings: warnings(links, joints, tree, &described),
+        links: described,
+        format: SourceFormat::Urdf,
+    })
+}
+
+/// The link into which a link is lumped (`None`: the base), and the fixed joints on the
+/// way there, nearest first.
+fn fixed_chain(
+    tree: &Tree,
+    kept: impl Fn(usize) -> bool,
+    link: usize,
+) -> (Option<usize>, Vec<usize>) {
+    let mut chain = Vec::new();
+    let mut at = link;
+    while let Some(joint) = tree.above[at] {
+        if kept(joint) {
+            return (Some(at), chain);
+        }
+        chain.push(joint);
+        at = tree.ends[joint].0;
+    }
+    (None, chain)
+}
+
+/// The inertia of each link with those lumped into it; `None` where no file gives any.
+fn lumped(
+    links: &[Link],
+    joints: &[Joint],
+    tree: &Tree,
+    kept: impl Fn(usize) -> bool,
+) -> Vec<Option<Inertia>> {
+    let mut inertias: Vec<Option<Inertia>> = links.iter().map(|link| link.inertia).collect();
+    // Depth first, backwards: a link is complete before its parent takes it.
+    for &j in tree.order.iter().rev().filter(|j| !kept(**j)) {
+        let (parent, child) = tree.ends[j];
+        if let Some(inertia) = inertias[child] {
+            let placed = inertia.placed(&joints[j].origin);
+            inertias[parent] = Some(inertias[parent].map_or(placed, |own| own + placed));
+        }
+    }
+    inertias
+}
+
+/// A mimic joint is not driven by itself, so it has no rotor of its own.
+fn link_description(
+    link: &Link,
+    joint: &Joint,
+    antecedent: Option<String>,
+    origins: Vec<Origin>,
+    inertia: [Option<Quantity>; 11],
+) -> LinkDescription {
+    let active = joint.kind != JointKind::Fixed && joint.mimic.is_none();
+    LinkDescription {
+        name: link.name.clone(),
+        joint_name: Some(joint.name.clone()),
+        antecedent,
+        joint: joint.kind,
+        active,
+        rotor: active,
+        geometry: Geometry::Placed {
+            origins,
+            axis: joint.axis.clone(),
+        },
+        inertia,
+        limits: joint.limits,
+        mimic: joint.mimic.clone(),
+    }
+}
+
+/// What the user should know, one sentence for each kind of remark.
+fn warnings(
+    links: &[Link],
+    joints: &[Joint],
+    tree: &Tree,
+    described: &[LinkDescription],
+) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if joints.iter().all(|j| j.kind == JointKind::Fixed) {
+        warnings.push("no joint of the robot moves".to_owned());
+    }
+    let mut warn = |names: Vec<&str>, what: &str| {
+        if !names.is_empty() {
+            warnings.push(format!("{} {what}: {}", names.len(), list(names)));
+        }
+    };
+    let moving = |j: &&Joint| j.kind != JointKind::Fixed;
+    let named = |keep: &dyn Fn(&Joint) -> bool| {
+        let kept = joints.iter().filter(moving).filter(|j| keep(j));
+        kept.map(|j| j.name.as_str()).collect()
+    };
+    warn(
+        described
+            .iter()
+            .filter(|l| l.joint != JointKind::Fixed && l.inertia[9].is_none())
+            .map(|l| l.name.as_str())
+            .collect(),
+        "links without inertial values",
+    );
+    warn(
+        links
+            .iter()
+            .filter(|l| !l.plausible)
+            .map(|l| l.name.as_str())
+            .collect(),
+        "links with an inertia that no body has",
+    );
+    warn(
+        named(&|j| !is_unit(&j.axis)),
+        "joint axes that are not of length 1 (normalised)",
+    );
+    warn(
+        named(&|j| j.mimic.is_some()),
+        "mimic joints, not applied yet (they move freely)",
+    );
+    warn(
+        joints
+            .iter()
+            .zip(&tree.copied)
+            .filter(|(_, copied)| copied.is_some_and(|c| joints[c].kind == JointKind::Fixed))
+            .map(|(j, _)| j.name.as_str())
+            .collect(),
+        "mimic joints that copy a fixed joint",
+    );
+    warn(
+        named(&|j| j.limits.is_some_and(|(lower, upper)| lower > upper)),
+        "joints whose lower limit is above the upper one",
+    );
+    warnings
+}
+
+fn is_unit(axis: &[Quantity; 3]) -> bool {
+    /// Decimals such as 0.707107 are rounded directions, not worth a word.
+    const ROUNDING: f64 = 1e-5;
+    let square: f64 = axis.iter().map(|x| x.value * x.value).sum();
+    (square - 1.0).abs() <= ROUNDING
+}
