@@ -13,7 +13,7 @@ const ROBOTS: u64 = 300;
 const REGROUPING_ROUNDING: f64 = 1e-11;
 
 fn robot(seed: u64) -> Mechanism {
-    let format = if seed % 2 == 0 {
+    let format = if seed.is_multiple_of(2) {
         SourceFormat::Mdh
     } else {
         SourceFormat::Urdf

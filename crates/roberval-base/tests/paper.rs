@@ -6,7 +6,8 @@ use std::path::Path;
 use roberval_base::{
     BaseParameters, Engine, Model, Options, PAPER_EPS_VAX, Tolerance, base_parameters,
 };
-use roberval_mechanism::Mechanism;
+use roberval_mechanism::{Geometry, Mechanism};
+use roberval_scalar::Quantity;
 use serde_json::Value;
 
 /// Coefficients against the exact fractions.
@@ -172,8 +173,12 @@ fn the_papers_own_tolerance_gives_forty_too() {
 
 #[test]
 fn a_raised_base_does_not_add_a_constant_to_the_energy_model() {
-    let mut puma = puma();
-    puma.links[0].origin.z = 0.67;
+    let mut description = roberval_formats::load("puma560").expect("in the catalogue");
+    let Geometry::Mdh(first) = &mut description.links[0].geometry else {
+        panic!("the PUMA is given in modified DH")
+    };
+    first.r = Quantity::parse_length("0.67", &[]).expect("a length");
+    let puma = Mechanism::new(&description).expect("valid");
     for (model, engine) in routes() {
         let options = Options {
             model,

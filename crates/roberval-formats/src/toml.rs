@@ -80,6 +80,8 @@ fn syntax(source: &Source, error: &toml_edit::TomlError) -> FormatError {
     let what = error.message().trim().replace('\n', ", ");
     let code = if what.contains("recurs") {
         Code::TooDeep
+    } else if what.contains("overflow") {
+        Code::NotFinite
     } else {
         Code::Toml
     };

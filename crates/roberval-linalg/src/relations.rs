@@ -13,6 +13,11 @@ const DATA_ERROR: f64 = 16.0 * f64::EPSILON;
 /// below 1.5e3 with raw columns and below 50 with equilibrated ones.
 const ASSUMED_SEPARATION: f64 = 1e3;
 
+/// V2 of c columns is off by about `c eps sigma_1 / sigma_b`; small matrices are not that much better.
+fn null_space_error(cols: usize, separation: f64) -> f64 {
+    cols.max(16) as f64 * f64::EPSILON * separation
+}
+
 /// `beta` (b x (c - b)) with `|error of beta_ij| <= bound_ij`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Relations {
@@ -58,7 +63,8 @@ pub fn relations_qr(
     w.check_finite()?;
     let (scaled, exponents) = equilibrate(w);
     let (w1, w2) = (scaled.select_columns(kept), scaled.select_columns(deleted));
-    let solver = Solver::new(&w1, &w2, "kept columns of W")?;
+    let dust = w1.rows().max(w1.cols()) as f64 * f64::EPSILON;
+    let solver = Solver::new(&w1, &w2, dust, "kept columns of W")?;
     let mut beta = solver.solution();
     let mut bound = Matrix::zeros(kept.len(), deleted.len());
     let pseudo_inverse = solver.inverse_row_norms();
@@ -111,7 +117,7 @@ pub fn relations_svd(
         v2,
         kept,
         deleted,
-        v2.rows() as f64 * f64::EPSILON * ASSUMED_SEPARATION,
+        null_space_error(v2.rows(), ASSUMED_SEPARATION),
     )
 }
 
@@ -131,7 +137,7 @@ impl Svd {
             Some(_) => f64::INFINITY,
             None => 1.0,
         };
-        let error = self.sigma.len() as f64 * f64::EPSILON * separation;
+        let error = null_space_error(self.sigma.len(), separation);
         null_space_relations(&self.null_space(rank), kept, deleted, error)
     }
 }
@@ -156,7 +162,7 @@ fn null_space_relations(
     v2.check_finite()?;
     let mut v21 = v2.select_rows(kept).transpose();
     v21.as_mut_slice().iter_mut().for_each(|x| *x = -*x);
-    let solver = Solver::new(&v2.select_rows(deleted).transpose(), &v21, "V22")?;
+    let solver = Solver::new(&v2.select_rows(deleted).transpose(), &v21, error, "V22")?;
     let beta = solver.solution().transpose();
     let inverse = solver.inverse_row_norms();
     let row_norms: Vec<f64> = (0..beta.rows())
@@ -175,7 +181,8 @@ struct Solver {
 }
 
 impl Solver {
-    fn new(a1: &Matrix, a2: &Matrix, what: &'static str) -> Result<Self, LinalgError> {
+    /// Columns of A1 are about 1 in norm; a residual of at most `dust` makes them dependent.
+    fn new(a1: &Matrix, a2: &Matrix, dust: f64, what: &'static str) -> Result<Self, LinalgError> {
         let (rows, size) = (a1.rows(), a1.cols());
         let both = Matrix::from_fn(rows, size + a2.cols(), |i, j| {
             if j < size {
@@ -185,9 +192,8 @@ impl Solver {
             }
         });
         let mut independent = 0;
-        let dust = rows.max(size) as f64 * f64::EPSILON;
         let form = eliminate(&both, |j, residual| {
-            independent += usize::from(j < size && residual > dust * norm(both.col(j)));
+            independent += usize::from(j < size && residual > dust);
             j < size
         });
         if independent < size {

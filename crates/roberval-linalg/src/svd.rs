@@ -15,6 +15,8 @@ pub struct Svd {
     pub sigma: Vec<f64>,
     /// V, c x c, orthogonal; its last c - b columns span the null space.
     pub v: Matrix,
+    /// Residual or orthogonality found, whichever is worse, in units of rounding; below [`RATIO_BAR`].
+    pub ratio: f64,
     rows: usize,
 }
 
@@ -26,7 +28,7 @@ pub struct Svd {
 pub fn svd(w: &Matrix) -> Result<Svd, LinalgError> {
     w.check_finite()?;
     let (scaled, up) = scale_globally(w);
-    let (mut sigma, v) = checked_svd(&square(&scaled))?;
+    let (mut sigma, v, ratio) = checked_svd(&square(&scaled), square_svd)?;
     sigma
         .iter_mut()
         .for_each(|s| *s = times_power_of_two(*s, -up));
@@ -34,6 +36,7 @@ pub fn svd(w: &Matrix) -> Result<Svd, LinalgError> {
         Ok(Svd {
             sigma,
             v,
+            ratio,
             rows: w.rows(),
         })
     } else {
@@ -113,24 +116,32 @@ fn square(w: &Matrix) -> Matrix {
     )
 }
 
-/// faer's SVD if it passes its check, else one-sided Jacobi if that does.
-fn checked_svd(a: &Matrix) -> Result<(Vec<f64>, Matrix), LinalgError> {
+/// U, sigma, V.
+type Triple = (Matrix, Vec<f64>, Matrix);
+
+/// The SVD of `first` if it passes its check, else one-sided Jacobi if that does: sigma, V, ratio.
+fn checked_svd(
+    a: &Matrix,
+    first: impl Fn(&Matrix) -> Option<Triple>,
+) -> Result<(Vec<f64>, Matrix, f64), LinalgError> {
     if a.cols() == 0 {
-        return Ok((Vec::new(), Matrix::zeros(0, 0)));
+        return Ok((Vec::new(), Matrix::zeros(0, 0), 0.0));
     }
-    if let Some((u, sigma, v)) = square_svd(a)
-        && ratio_of(a, &u, &sigma, &v, &[&u, &v]) < RATIO_BAR
-    {
-        return Ok((sigma, v));
+    if let Some((u, sigma, v)) = first(a) {
+        let ratio = ratio_of(a, &u, &sigma, &v, &[&u, &v]);
+        if ratio < RATIO_BAR {
+            return Ok((sigma, v, ratio));
+        }
     }
     let (u, sigma, v) = jacobi_svd(a)?;
     // U is not orthogonal where sigma is rounding: V is what counts.
     let ratio = ratio_of(a, &u, &sigma, &v, &[&v]);
     if ratio < RATIO_BAR {
-        Ok((sigma, v))
+        Ok((sigma, v, ratio))
     } else {
+        let what = "singular value decomposition";
         Err(LinalgError::NumericalFailure {
-            what: "singular value decomposition",
+            what,
             ratio,
             bar: RATIO_BAR,
         })
@@ -144,5 +155,49 @@ fn ratio_of(a: &Matrix, u: &Matrix, sigma: &[f64], v: &Matrix, orthogonal: &[&Ma
         worst_ratio(a, u, &sv, orthogonal)
     } else {
         f64::INFINITY
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square matrix of rank n - n / 3 with entries below 1.
+    fn sample(n: usize) -> Matrix {
+        let low = n - n / 3;
+        let entry = |i: usize, j: usize| ((i * 29 + j * 53 + i * j * 7) % 97) as f64 / 97.0 - 0.5;
+        let factor = Matrix::from_fn(low, n, |i, j| entry(j + 3, i) / n as f64);
+        Matrix::from_fn(n, low, entry).matmul(&factor).unwrap()
+    }
+
+    #[test]
+    fn jacobi_agrees_with_the_library_also_on_singular_matrices() {
+        for n in [1, 2, 5, 33, 60] {
+            let a = sample(n);
+            let (u, sigma, v) = jacobi_svd(&a).unwrap();
+            assert!(ratio_of(&a, &u, &sigma, &v, &[&v]) < RATIO_BAR, "n = {n}");
+            let library = square_svd(&a).unwrap().1;
+            for (s, t) in sigma.iter().zip(&library) {
+                let rounding = n as f64 * f64::EPSILON * library[0];
+                assert!((s - t).abs() <= rounding, "n = {n}: {s} against {t}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_convergence_or_a_wrong_factor_from_the_library_is_replaced() {
+        let a = sample(20);
+        let truth = square_svd(&a).unwrap();
+        let spoilers: [fn(Triple) -> Option<Triple>; 4] = [
+            |_| None,
+            |(u, s, v)| Some((u, s.iter().map(|s| s * 1.001).collect(), v)),
+            |(u, s, v)| Some((u, s.into_iter().rev().collect(), v)),
+            |(u, s, v)| Some((u, s, Matrix::from_fn(20, 20, |i, j| v[(i, j)] * f64::NAN))),
+        ];
+        for spoil in spoilers {
+            let (sigma, v, ratio) = checked_svd(&a, |a| spoil(square_svd(a)?)).unwrap();
+            assert!(ratio < RATIO_BAR && v.check_finite().is_ok());
+            assert!((sigma[0] - truth.1[0]).abs() <= 20.0 * f64::EPSILON * truth.1[0]);
+        }
     }
 }

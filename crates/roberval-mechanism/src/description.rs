@@ -1,3 +1,4 @@
+use crate::placement::cos_sin;
 use std::collections::HashMap;
 
 use nalgebra::{Matrix3, Vector3};
@@ -221,8 +222,7 @@ impl Origin {
     /// placed frame is at R x + p.
     #[must_use]
     pub fn placement(&self) -> (Matrix3<f64>, Vector3<f64>) {
-        let [roll, pitch, yaw] = [0, 1, 2].map(|k| self.rpy[k].value.sin_cos());
-        let ((sr, cr), (sp, cp), (sy, cy)) = (roll, pitch, yaw);
+        let [(cr, sr), (cp, sp), (cy, sy)] = [0, 1, 2].map(|k| cos_sin(self.rpy[k].value));
         let rotation = Matrix3::new(
             cy * cp,
             cy * sp * sr - sy * cr,

@@ -1,6 +1,8 @@
+use std::sync::Arc;
+
 use nalgebra::{Matrix3, Vector3};
 
-use crate::{JointKind, ParameterSpace, RobotDescription, order, placement};
+use crate::{JointKind, ParameterSpace, RobotDescription, TreeError, order, placement};
 
 /// A valid robot with numbers: a chain or tree of links, each after its antecedent.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,11 +13,15 @@ pub struct Mechanism {
     pub gravity: Vector3<f64>,
     /// The links in parameter order; a link's antecedent has a smaller index.
     pub links: Vec<Link>,
+    /// What the numbers were made from: the exact engine reads the literals there.
+    pub description: Arc<RobotDescription>,
 }
 
 /// One link of a [`Mechanism`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Link {
+    /// Index of the link in the description.
+    pub in_file: usize,
     /// The link's name, unique in the robot.
     pub name: String,
     /// The joint's name where the format has one.
@@ -54,26 +60,9 @@ pub enum MechanismError {
         /// The robot's name.
         robot: String,
     },
-    /// Two links share a name, so labels such as `XX_name` would be ambiguous.
-    #[error("two links are named \"{link}\": every link needs a name of its own")]
-    DuplicateLink {
-        /// The shared name.
-        link: String,
-    },
-    /// A link stands on a link that does not exist.
-    #[error("link \"{link}\": its antecedent \"{antecedent}\" is no link of the robot")]
-    UnknownAntecedent {
-        /// The link.
-        link: String,
-        /// The missing antecedent.
-        antecedent: String,
-    },
-    /// A link is its own ancestor.
-    #[error("the antecedents of links {} run in a circle: no way leads from them to the base", links.join(", "))]
-    Cycle {
-        /// The links on or behind the circle.
-        links: Vec<String>,
-    },
+    /// The links do not form a tree on the base.
+    #[error(transparent)]
+    Tree(#[from] TreeError),
     /// A number that must be finite is not.
     #[error("link \"{link}\": {field} is {value}, which is not a finite number")]
     NotFinite {
@@ -98,23 +87,31 @@ impl Mechanism {
     /// # Errors
     /// A [`MechanismError`] that names the link and the field.
     pub fn new(description: &RobotDescription) -> Result<Self, MechanismError> {
-        let order = order::antecedents_first(description)?;
+        if description.links.is_empty() {
+            return Err(MechanismError::Empty {
+                robot: description.name.clone(),
+            });
+        }
+        let antecedents = description.antecedents()?;
+        let order = order::antecedents_first(&antecedents);
         let mut position = vec![0; order.len()];
-        for (index, &(in_file, _)) in order.iter().enumerate() {
+        for (index, &in_file) in order.iter().enumerate() {
             position[in_file] = index;
         }
         let gravity = Vector3::from_fn(|i, _| description.gravity[i].value);
         placement::finite(gravity.iter(), "base", "gravity")?;
         let links = order
             .iter()
-            .map(|&(in_file, antecedent)| {
-                placement::link(&description.links[in_file], antecedent.map(|a| position[a]))
+            .map(|&in_file| {
+                let antecedent = antecedents[in_file].map(|a| position[a]);
+                placement::link(&description.links[in_file], in_file, antecedent)
             })
             .collect::<Result<Vec<_>, _>>()?;
         let mechanism = Self {
             name: description.name.clone(),
             gravity,
             links,
+            description: Arc::new(description.clone()),
         };
         if mechanism.dof() == 0 {
             return Err(MechanismError::Rigid {

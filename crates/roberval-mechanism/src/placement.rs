@@ -16,6 +16,7 @@ const ROTATION_DUST: f64 = 16.0 * f64::EPSILON;
 
 pub(crate) fn link(
     written: &LinkDescription,
+    in_file: usize,
     antecedent: Option<usize>,
 ) -> Result<Link, MechanismError> {
     let (rotation, origin, axis) = match &written.geometry {
@@ -43,6 +44,7 @@ pub(crate) fn link(
         "an inertial parameter",
     )?;
     Ok(Link {
+        in_file,
         name: written.name.clone(),
         joint_name: written.joint_name.clone(),
         antecedent,
@@ -78,16 +80,13 @@ fn mdh(g: &MdhGeometry) -> (Matrix3<f64>, Vector3<f64>, Vector3<f64>) {
     (twist * rot_z(&g.theta), origin, Vector3::z())
 }
 
-/// Trans(xyz) Rot(z, yaw) Rot(y, pitch) Rot(x, roll), one after the other.
+/// Constant placements, one after the other.
 fn chain(origins: &[Origin]) -> (Matrix3<f64>, Vector3<f64>) {
-    let mut rotation = Matrix3::identity();
-    let mut position = Vector3::zeros();
-    for origin in origins {
-        position += rotation * Vector3::from_fn(|i, _| origin.xyz[i].value);
-        let [roll, pitch, yaw] = &origin.rpy;
-        rotation = without_dust(rotation * rot_z(yaw) * rot_y(pitch) * rot_x(roll));
-    }
-    (rotation, position)
+    let start = (Matrix3::identity(), Vector3::zeros());
+    origins.iter().fold(start, |(rotation, position), origin| {
+        let (turn, shift) = origin.placement();
+        (without_dust(rotation * turn), position + rotation * shift)
+    })
 }
 
 /// Cosine and sine, exact at the doubles nearest to multiples of pi/2.
@@ -104,11 +103,6 @@ pub(crate) fn cos_sin(angle: f64) -> (f64, f64) {
 fn rot_x(angle: &Quantity) -> Matrix3<f64> {
     let (c, s) = cos_sin(angle.value);
     Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c)
-}
-
-fn rot_y(angle: &Quantity) -> Matrix3<f64> {
-    let (c, s) = cos_sin(angle.value);
-    Matrix3::new(c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c)
 }
 
 fn rot_z(angle: &Quantity) -> Matrix3<f64> {

@@ -18,7 +18,7 @@ const POWER_DIFFERENCES: f64 = 3e-6;
 
 fn robots() -> impl Iterator<Item = Mechanism> {
     (0..ROBOTS).map(|seed| {
-        let format = if seed % 2 == 0 {
+        let format = if seed.is_multiple_of(2) {
             SourceFormat::Mdh
         } else {
             SourceFormat::Urdf

@@ -144,7 +144,7 @@ fn warnings(
     }
     let mut warn = |names: Vec<&str>, what: &str| {
         if !names.is_empty() {
-            warnings.push(format!("{} {what}: {}", names.len(), list(names)));
+            warnings.push(format!("{what} ({}): {}", names.len(), list(names)));
         }
     };
     let moving = |j: &&Joint| j.kind != JointKind::Fixed;
@@ -170,11 +170,11 @@ fn warnings(
     );
     warn(
         named(&|j| !is_unit(&j.axis)),
-        "joint axes that are not of length 1 (normalised)",
+        "joints whose axis is not of length 1, normalised",
     );
     warn(
         named(&|j| j.mimic.is_some()),
-        "mimic joints, not applied yet (they move freely)",
+        "mimic joints, not applied yet: they move freely",
     );
     warn(
         joints
