@@ -11,13 +11,15 @@ import roberval as rv
 
 SHARED = Path(__file__).parents[2] / "shared"
 
-States = tuple[npt.NDArray[np.float64], ...]
+Array = npt.NDArray[np.float64]
+States = tuple[Array, Array, Array]
 
 
 def random_states(robot: rv.Robot, count: int, seed: int = 1) -> States:
     """Draw q, qd, qdd, each (count, n)."""
     random = np.random.default_rng(seed)
-    return tuple(random.uniform(-3, 3, (count, robot.n)) for _ in range(3))
+    q, qd, qdd = random.uniform(-3, 3, (3, count, robot.n))
+    return q, qd, qdd
 
 
 @pytest.fixture(scope="session")

@@ -28,7 +28,8 @@ def numbers(name: str, value: npt.ArrayLike) -> Array:
     if array.dtype.kind not in "iuf":
         raise ArrayError(f"{name} has dtype {array.dtype}, expected real numbers (float64)")
     with np.errstate(over="ignore"):  # a long double beyond float64 becomes inf: refused later
-        return np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
+        plain = np.require(array, np.float64, ["C", "ALIGNED", "ENSUREARRAY"])
+    return plain.reshape(array.shape)
 
 
 class States(NamedTuple):

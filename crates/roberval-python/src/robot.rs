@@ -17,7 +17,6 @@ use crate::states::{OwnedStates, vector};
 pub struct Robot {
     /// A URDF's text, for pickling; robot TOML can be written anew.
     urdf: Option<(String, bool)>,
-    description: RobotDescription,
     mechanism: Mechanism,
     regressor: Regressor,
 }
@@ -73,7 +72,7 @@ impl Robot {
     }
 
     fn to_toml(&self, py: Python<'_>) -> PyResult<String> {
-        to_toml(&self.description).map_err(|error| error.into_python(py))
+        to_toml(&self.mechanism.description).map_err(|error| error.into_python(py))
     }
 
     #[getter]
@@ -92,12 +91,12 @@ impl Robot {
 
     /// Whether two descriptions are the same, literal by literal.
     fn same(&self, other: &Self) -> bool {
-        self.description == other.description
+        self.mechanism.description == other.mechanism.description
     }
 
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.description.warnings.clone()
+        self.mechanism.description.warnings.clone()
     }
 
     #[getter]
@@ -229,7 +228,6 @@ impl Robot {
         Ok(Self {
             urdf,
             regressor: Regressor::new(&mechanism),
-            description,
             mechanism,
         })
     }

@@ -1,6 +1,8 @@
 //! Joint states and output arrays.
 
-use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{
+    PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 use roberval_regressor::{RegressorError, States};
 
@@ -23,7 +25,7 @@ impl OwnedStates {
         qd: &PyReadonlyArray2<'_, f64>,
         qdd: &PyReadonlyArray2<'_, f64>,
     ) -> PyResult<Self> {
-        let dof = q.as_array().ncols();
+        let dof = q.shape()[1];
         Ok(Self {
             q: q.to_vec()?,
             qd: qd.to_vec()?,
