@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{NonEmptyStringValueParser, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ColorChoice, Parser, Subcommand};
 use roberval_base::{Choice, Engine, Model, Options, Tolerance};
 use roberval_scalar::Quantity;
@@ -54,6 +54,7 @@ pub(crate) enum Command {
 #[derive(Debug, Args)]
 pub(crate) struct ShowArgs {
     /// Name of a built-in robot, or a robot TOML or URDF file
+    #[arg(value_parser = NonEmptyStringValueParser::new())]
     pub robot: Option<String>,
     #[command(flatten)]
     pub reading: ReadingArgs,
@@ -104,6 +105,7 @@ pub(crate) struct RegressorArgs {
 #[derive(Debug, Args)]
 pub(crate) struct RobotArgs {
     /// Name of a built-in robot, or a robot TOML or URDF file
+    #[arg(value_parser = NonEmptyStringValueParser::new())]
     pub robot: String,
     #[command(flatten)]
     pub reading: ReadingArgs,
@@ -245,9 +247,11 @@ fn format() -> impl TypedValueParser<Value = Format> {
 }
 
 fn rows(text: &str) -> Result<usize, String> {
+    /// Twice the columns are enough: nobody needs a thousand times that.
+    const MOST: usize = 1_000_000;
     match text.parse() {
-        Ok(0) | Err(_) => Err("expected a whole number of rows, at least 1".to_owned()),
-        Ok(rows) => Ok(rows),
+        Ok(rows @ 1..=MOST) => Ok(rows),
+        _ => Err(format!("expected a whole number of rows from 1 to {MOST}")),
     }
 }
 
