@@ -7,8 +7,10 @@
 
 mod coefficients;
 mod decision;
+mod field;
 mod number;
 mod run;
 
 pub use decision::{ExactDecision, ExactError, decide_exactly};
+pub(crate) use field::in_some_field;
 pub use number::ExactNumber;
