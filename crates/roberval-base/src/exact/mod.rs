@@ -11,6 +11,7 @@ mod field;
 mod number;
 mod run;
 
+pub(crate) use decision::structural_rank;
 pub use decision::{ExactDecision, ExactError, decide_exactly};
 pub(crate) use field::in_some_field;
 pub use number::ExactNumber;
