@@ -18,6 +18,7 @@ Examples:
   roberval base arm.toml --keep MX_2,MY_2     prefer these parameters
   roberval compare arm.urdf                   all models, all engines
   roberval regressor arm.urdf states.csv -o W.npy
+  roberval scale arm.urdf --format csv        well scaled samples
 
 Exit codes: 0 clear, 1 computed but doubtful or engines disagree, 2 bad input.";
 
@@ -29,6 +30,10 @@ the joint or of its link) in any order, or an NPZ file with the arrays q, qd and
 The array has the shape (N, n, C) for d and d0 and (N, C) for h, in C order, C being the
 standard parameters in the order of `roberval show`, or the base parameters with --base.
 Only differences of the rows of h mean anything.";
+
+const SCALE: &str = "\
+The table shows what the search gained over random samples. --format csv writes the samples
+found, in the form that `roberval regressor` reads; --format json has both.";
 
 /// Base inertial parameters of robots, after Gautier (1991).
 #[derive(Debug, Parser)]
@@ -49,6 +54,9 @@ pub(crate) enum Command {
     /// Write the regressor at joint states from a file as a NumPy array
     #[command(after_help = STATES)]
     Regressor(RegressorArgs),
+    /// Search for samples that scale W (section 4 of the paper's method)
+    #[command(after_help = SCALE)]
+    Scale(ScaleArgs),
 }
 
 #[derive(Debug, Args)]
@@ -100,6 +108,26 @@ pub(crate) struct RegressorArgs {
     /// The NPY file to write (replaced as a whole or not at all); - is the standard output
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ScaleArgs {
+    #[command(flatten)]
+    pub robot: RobotArgs,
+    /// The linear model: dynamic, dynamic at rest, energy
+    #[arg(long, default_value = "h", value_parser = model())]
+    pub model: Model,
+    /// Names the random starts: the same seed, the same samples
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Rows of W [default: its columns]
+    #[arg(long, value_name = "R", value_parser = rows)]
+    pub rows: Option<usize>,
+    /// The S = max|Wij| / min|Wij| to stop at
+    #[arg(long, value_name = "S", default_value = "100", value_parser = positive)]
+    pub target: f64,
+    #[command(flatten)]
+    pub output: OutputArgs,
 }
 
 #[derive(Debug, Args)]
@@ -247,11 +275,17 @@ fn format() -> impl TypedValueParser<Value = Format> {
 }
 
 fn rows(text: &str) -> Result<usize, String> {
-    /// Twice the columns are enough: nobody needs a thousand times that.
-    const MOST: usize = 1_000_000;
     match text.parse() {
-        Ok(rows @ 1..=MOST) => Ok(rows),
-        _ => Err(format!("expected a whole number of rows from 1 to {MOST}")),
+        Ok(0) | Err(_) => Err("expected a whole number of rows, at least 1".to_owned()),
+        Ok(rows) => Ok(rows),
+    }
+}
+
+/// A number above zero.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
+        _ => Err("expected a number above 0".to_owned()),
     }
 }
 

@@ -1,13 +1,14 @@
 //! The subcommands.
 
 use std::io::Write;
+use std::ops::ControlFlow;
 
-use roberval_base::base_parameters;
+use roberval_base::{ScalingOptions, base_parameters};
 use roberval_formats::catalogue;
 use roberval_mechanism::Mechanism;
 use roberval_tables::{self as tables, Format, RobotEntry};
 
-use crate::arguments::{BaseArgs, Command, CompareArgs, OutputArgs, ShowArgs};
+use crate::arguments::{BaseArgs, Command, CompareArgs, OutputArgs, ScaleArgs, ShowArgs};
 use crate::error::CliError;
 use crate::output::Target;
 use crate::robot::load;
@@ -24,6 +25,7 @@ pub(crate) fn execute(
         Command::Base(args) => base(args, out, err),
         Command::Compare(args) => compare(args, out, err),
         Command::Regressor(args) => regressor::run(args, out, err),
+        Command::Scale(args) => scale(args, out, err),
     }
 }
 
@@ -68,6 +70,30 @@ fn compare(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write) -> Resu
         let comparison = roberval_base::compare(&mechanism, &choice, tolerance, args.choice.seed)?;
         doubts = tables::doubts(&comparison);
         Ok(tables::compare(&comparison, format))
+    })?;
+    Ok(verdict(&doubts, err))
+}
+
+fn scale(args: &ScaleArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
+    let options = ScalingOptions {
+        model: args.model,
+        seed: args.seed,
+        rows: args.rows,
+        target: args.target,
+        ..ScalingOptions::default()
+    };
+    let mut doubts = Vec::new();
+    answer(&args.output, out, |format| {
+        let mechanism = load(&args.robot.robot, &args.robot.reading)?;
+        warn(&mechanism, err);
+        let scaling = roberval_base::scale(&mechanism, &options, |_| ControlFlow::Continue(()))?;
+        let (before, after) = (scaling.before.rank, scaling.after.rank);
+        if before != after {
+            doubts.push(format!(
+                "the rank is {before} at random samples and {after} at those found"
+            ));
+        }
+        Ok(tables::scale(&mechanism, &options, &scaling, format))
     })?;
     Ok(verdict(&doubts, err))
 }

@@ -318,6 +318,7 @@ fn every_format_of_every_command_is_written() {
             &["show", "torso"],
             &["base", "scara"],
             &["compare", "ur5"],
+            &["scale", "two_link"],
         ] {
             let text = output(&[args, &["--format", format]].concat());
             assert!(
