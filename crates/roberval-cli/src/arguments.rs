@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::builder::{NonEmptyStringValueParser, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ColorChoice, Parser, Subcommand};
 use roberval_base::{Choice, Engine, Model, Options, Tolerance};
+use roberval_mechanism::CleanMode;
 use roberval_scalar::Quantity;
 use roberval_tables::Format;
 
@@ -17,6 +18,7 @@ Examples:
   roberval base arm.urdf --format json        for programs
   roberval base arm.toml --keep MX_2,MY_2     prefer these parameters
   roberval compare arm.urdf                   all models, all engines
+  roberval clean arm.urdf -o clean.urdf       1.5708 becomes pi/2
   roberval regressor arm.urdf states.csv -o W.npy
   roberval scale arm.urdf --format csv        well scaled samples
 
@@ -51,6 +53,8 @@ pub(crate) enum Command {
     Base(BaseArgs),
     /// Analyse all models by all engines and tell whether they agree
     Compare(CompareArgs),
+    /// Write a robot file with its rounded angles and dust set right
+    Clean(CleanArgs),
     /// Write the regressor at joint states from a file as a NumPy array
     #[command(after_help = STATES)]
     Regressor(RegressorArgs),
@@ -131,6 +135,19 @@ pub(crate) struct ScaleArgs {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct CleanArgs {
+    /// A robot TOML or URDF file, or the name of a built-in robot
+    #[arg(value_parser = NonEmptyStringValueParser::new())]
+    pub robot: String,
+    /// Set coarse roundings such as 1.57 right too
+    #[arg(long)]
+    pub aggressive: bool,
+    /// Write the cleaned text to this file (replaced as a whole or not at all)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct RobotArgs {
     /// Name of a built-in robot, or a robot TOML or URDF file
     #[arg(value_parser = NonEmptyStringValueParser::new())]
@@ -145,6 +162,10 @@ pub(crate) struct ReadingArgs {
     /// Keep links on fixed joints of a URDF as links of their own
     #[arg(long)]
     pub keep_fixed: bool,
+    /// Rounded angles (1.5708) and dust of the robot file: set right (default), taken as
+    /// written (off), or coarse roundings such as 1.57 set right too (aggressive)
+    #[arg(long, default_value = "default", value_parser = snap())]
+    pub snap: CleanMode,
     /// Gravity in the base frame, m/s^2, instead of the robot file's
     #[arg(long, value_name = "X,Y,Z", value_parser = gravity, allow_hyphen_values = true)]
     pub gravity: Option<Gravity>,
@@ -268,6 +289,14 @@ fn model() -> impl TypedValueParser<Value = Model> {
 
 fn engine() -> impl TypedValueParser<Value = Engine> {
     named(&Engine::ALL, Engine::name)
+}
+
+fn snap() -> impl TypedValueParser<Value = CleanMode> {
+    PossibleValuesParser::new(["default", "off", "aggressive"]).map(|word| match word.as_str() {
+        "off" => CleanMode::Off,
+        "aggressive" => CleanMode::Aggressive,
+        _ => CleanMode::Default,
+    })
 }
 
 fn format() -> impl TypedValueParser<Value = Format> {
