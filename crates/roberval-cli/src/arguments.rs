@@ -24,6 +24,16 @@ Examples:
 
 Exit codes: 0 clear, 1 computed but doubtful or engines disagree, 2 bad input.";
 
+const BASE: &str = "\
+LABELS are KIND_LINK with commas between them, such as MX_2,YY_forearm; the kinds are XX XY XZ
+YY YZ ZZ MX MY MZ M Ia. csv has a row for each standard parameter and a column for each base
+parameter that others regroup into: its sum-product with X is XB.
+
+Examples:
+  roberval base puma560 --engine svd --model h
+  roberval base arm.urdf --choice pivoted --format latex -o tables.tex
+  roberval base arm.urdf --gravity 0,-9.81,0 --drop M_tool";
+
 const STATES: &str = "\
 States are a CSV file with the columns q_1.., qd_1.. and qdd_1.. (or q_NAME with the name of
 the joint or of its link) in any order, or an NPZ file with the arrays q, qd and qdd of shape
@@ -50,6 +60,7 @@ pub(crate) enum Command {
     /// Show a robot as it is understood; without a robot, list the built-in ones
     Show(ShowArgs),
     /// Find the base parameters and how the others regroup onto them
+    #[command(after_help = BASE)]
     Base(BaseArgs),
     /// Analyse all models by all engines and tell whether they agree
     Compare(CompareArgs),

@@ -253,6 +253,8 @@ fn latex_has_no_command_from_a_name_and_balanced_braces() {
         "subsection",
         "subsubsection",
         "raggedright",
+        "small",
+        "tabcolsep",
         "setlength",
         "parindent",
         "hangindent",
