@@ -8,6 +8,7 @@
 mod coefficients;
 mod decision;
 mod number;
+mod rounded;
 mod run;
 
 pub use decision::{ExactDecision, ExactError, decide_exactly};
