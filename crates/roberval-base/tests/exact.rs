@@ -114,7 +114,7 @@ fn robots_with_angles_of_fifteen_degrees_have_coefficients_with_square_roots() {
     let mut surds = 0;
     for seed in 0..60 {
         let family = Family {
-            angles: Angles::Twelfths,
+            angles: Angles::Fifteens,
             links: (2, 5),
             ..Family::default()
         };

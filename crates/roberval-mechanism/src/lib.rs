@@ -1,16 +1,21 @@
 //! The robot as data.
 //!
 //! * [`RobotDescription`]: what a robot file says, with its numbers as written.
+//! * [`clean()`]: the same with rounded angles and dust set right, every change listed.
 //! * [`Mechanism`]: the valid robot with numbers, links in an order in which every
 //!   antecedent comes before its successors.
 //! * [`ParameterSpace`]: the one place that knows the order of the parameters.
 
+mod clean;
 mod description;
 mod mechanism;
 mod order;
 mod parameters;
 mod placement;
 
+pub use clean::{
+    Change, CleanMode, CleanPolicy, Cleaned, Field, NearMiss, Unit, apply, clean, revert,
+};
 pub use description::{
     Geometry, JointKind, LinkDescription, MdhGeometry, Mimic, Origin, RobotDescription,
     SourceFormat, TreeError, find_cycle,

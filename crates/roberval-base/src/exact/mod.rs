@@ -7,9 +7,11 @@
 
 mod coefficients;
 mod decision;
+mod field;
 mod number;
 mod rounded;
 mod run;
 
 pub use decision::{ExactDecision, ExactError, decide_exactly};
+pub(crate) use field::in_some_field;
 pub use number::ExactNumber;

@@ -3,14 +3,12 @@
 use roberval_linalg::Echelon;
 use roberval_mechanism::{Mechanism, ParameterSpace};
 use roberval_regressor::{AngleOrder, ExactModel, Model, NotInField};
-use roberval_scalar::{Fp, Modulus, SplitMix64, random_prime};
+use roberval_scalar::{Fp, SplitMix64};
+
+use super::field::in_some_field;
 
 /// Samples in a row that must add nothing before the row space counts as complete.
 const SILENT_SAMPLES: usize = 2;
-
-/// Primes tried before a description's square roots count as unobtainable: each prime
-/// has a given root with probability 1/2.
-const MOST_PRIMES: usize = 256;
 
 /// What one field says. Columns are the robot's; those of `kept` and of `beta`'s rows
 /// and columns are in the order they were asked for.
@@ -48,39 +46,21 @@ pub(crate) fn run(
     seed: u64,
     conjugate: u64,
 ) -> Result<Run, NotInField> {
-    let mut random = SplitMix64::new(seed);
-    let mut last = NotInField::Root;
-    for _ in 0..MOST_PRIMES {
-        let modulus = Modulus::new(random_prime(angle_order.get(), &mut random));
-        let model_seed = random.next_u64();
-        match ExactModel::new(mechanism, &modulus, angle_order, conjugate, model_seed) {
-            Ok(exact) => {
-                return Ok(eliminate(
-                    mechanism,
-                    model,
-                    order,
-                    &modulus,
-                    &exact,
-                    seed,
-                    &mut random,
-                ));
-            }
-            Err(error) => last = error,
-        }
-    }
-    Err(last)
+    in_some_field(mechanism, angle_order, seed, conjugate, |exact, random| {
+        eliminate(mechanism, model, order, exact, seed, random)
+    })
 }
 
 fn eliminate<'m>(
     mechanism: &Mechanism,
     model: Model,
     order: &[usize],
-    modulus: &'m Modulus,
     exact: &ExactModel<'m>,
     seed: u64,
     random: &mut SplitMix64,
 ) -> Run {
     let space: ParameterSpace = mechanism.parameters();
+    let modulus = exact.modulus();
     let zero = modulus.integer(0);
     let mut rows = Rows {
         exact,

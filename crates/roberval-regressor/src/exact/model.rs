@@ -70,6 +70,12 @@ impl<'m> ExactModel<'m> {
         })
     }
 
+    /// The field.
+    #[must_use]
+    pub fn modulus(&self) -> &'m Modulus {
+        self.modulus
+    }
+
     /// The robot's constants in the field.
     #[must_use]
     pub fn tree(&self) -> &Tree<Fp<'m>> {

@@ -1,0 +1,52 @@
+"""Base inertial parameters of robots (Gautier 1991).
+
+>>> import roberval as rv
+>>> robot = rv.load("puma560")
+>>> base = robot.base_parameters()
+>>> base.rank
+40
+"""
+
+from ._core import __version__
+from .base import BaseParameters, Comparison, Diagnosis, Route
+from .errors import (
+    ArrayError,
+    DoubtfulRankWarning,
+    InternalError,
+    MissingPackageError,
+    NumericalError,
+    OptionError,
+    RobervalError,
+    RobotError,
+    RobotWarning,
+    ShapeError,
+    UnknownParameterError,
+)
+from .robot import CatalogueEntry, Choice, Engine, Link, Model, Robot, catalogue, load
+
+__all__ = [
+    "ArrayError",
+    "BaseParameters",
+    "CatalogueEntry",
+    "Choice",
+    "Comparison",
+    "Diagnosis",
+    "DoubtfulRankWarning",
+    "Engine",
+    "InternalError",
+    "Link",
+    "MissingPackageError",
+    "Model",
+    "NumericalError",
+    "OptionError",
+    "RobervalError",
+    "Robot",
+    "RobotError",
+    "RobotWarning",
+    "Route",
+    "ShapeError",
+    "UnknownParameterError",
+    "__version__",
+    "catalogue",
+    "load",
+]
