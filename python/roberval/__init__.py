@@ -22,7 +22,8 @@ from .errors import (
     ShapeError,
     UnknownParameterError,
 )
-from .robot import CatalogueEntry, Choice, Engine, Link, Model, Robot, catalogue, load
+from .options import Choice, Engine, Model
+from .robot import CatalogueEntry, Link, Robot, catalogue, load
 
 __all__ = [
     "ArrayError",

@@ -1,8 +1,10 @@
 from collections.abc import Sequence
-from typing import Any, final
+from typing import final
 
 import numpy as np
 import numpy.typing as npt
+
+from .options import Options
 
 __version__: str
 
@@ -46,15 +48,8 @@ class Robot:
         out: _Array,
     ) -> None: ...
     def torques(self, x: _Array, q: _Array, qd: _Array, qdd: _Array, out: _Array) -> None: ...
-    def base_parameters(self, options: dict[str, Any]) -> Answer: ...
-    def compare(
-        self,
-        choice: str | None,
-        keep: list[str],
-        drop: list[str],
-        tolerance: float | str | None,
-        seed: int,
-    ) -> Comparison: ...
+    def base_parameters(self, options: Options) -> Answer: ...
+    def compare(self, options: Options) -> Comparison: ...
 
 @final
 class Answer:

@@ -6,13 +6,14 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
 from . import _core, arrays
 from .arrays import Array
 from .errors import DoubtfulRankWarning
+from .options import Options
 
 if TYPE_CHECKING:
     from .robot import Robot
@@ -64,26 +65,30 @@ class BaseParameters:
     Made by `Robot.base_parameters`.
     """
 
-    __slots__ = ("__weakref__", "_beta", "_inner", "_robot")
+    __slots__ = ("__weakref__", "_beta", "_inner", "_options", "_robot")
 
     _inner: _core.Answer
     _robot: Robot
+    _options: Options
     _beta: Array
 
     def __init__(self) -> None:
         raise TypeError("make BaseParameters with Robot.base_parameters")
 
     @classmethod
-    def _of(cls, robot: Robot, core: _core.Answer, *, quiet: bool = False) -> BaseParameters:
-        if not core.clear and not quiet:
-            text = f"{robot.name}: {'; '.join(core.messages)}"
-            warnings.warn(text, DoubtfulRankWarning, stacklevel=3)
+    def _of(cls, robot: Robot, options: Options, core: _core.Answer) -> BaseParameters:
         answer = object.__new__(cls)
         answer._inner = core
         answer._robot = robot
+        answer._options = options
         answer._beta = core.beta()
         answer._beta.flags.writeable = False
         return answer
+
+    def _warn_of_doubt(self) -> None:
+        if not self._inner.clear:
+            text = f"{self._robot.name}: {'; '.join(self._inner.messages)}"
+            warnings.warn(text, DoubtfulRankWarning, stacklevel=3)
 
     def _labels(self, columns: list[int]) -> tuple[str, ...]:
         labels = self._robot.parameters
@@ -264,6 +269,10 @@ class BaseParameters:
         """
         return self._robot._rows(self.model, self._inner.base, q, qd, qdd, out)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The same options give the same answer: cheaper to find again than to store.
+        return analyse, (self._robot, self._options)
+
     def __repr__(self) -> str:
         doubt = "" if self._inner.clear else ", doubtful"
         return (
@@ -292,6 +301,15 @@ class Route:
     beta_difference: float
 
 
+def analyse(robot: Robot, options: Options) -> BaseParameters:
+    """Find the base parameters of a robot with these options."""
+    return BaseParameters._of(robot, options, robot._inner.base_parameters(options))
+
+
+def _of_route(options: Options, answer: _core.Answer) -> Options:
+    return {**options, "model": answer.model, "engine": answer.engine}
+
+
 class Comparison:
     """All models by all engines. Made by `Robot.compare`.
 
@@ -312,11 +330,11 @@ class Comparison:
         raise TypeError("make a Comparison with Robot.compare")
 
     @classmethod
-    def _of(cls, robot: Robot, core: _core.Comparison) -> Comparison:
+    def _of(cls, robot: Robot, options: Options, core: _core.Comparison) -> Comparison:
         comparison = object.__new__(cls)
         comparison.agree = core.agree
         comparison.routes = tuple(
-            Route(BaseParameters._of(robot, answer, quiet=True), same, difference)
+            Route(BaseParameters._of(robot, _of_route(options, answer), answer), same, difference)
             for answer, same, difference in core.routes
         )
         return comparison

@@ -5,24 +5,16 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, SupportsIndex
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core, arrays, mdh
 from .arrays import Array
-from .base import BaseParameters, Comparison
+from .base import BaseParameters, Comparison, analyse
 from .errors import RobervalError, RobotWarning, ShapeError
-
-Model: TypeAlias = Literal["d", "d0", "h"]
-"""Dynamic model, dynamic model at rest, energy model."""
-
-Engine: TypeAlias = Literal["qr", "qrii", "svd"]
-"""Route to rank, choice and relations."""
-
-Choice: TypeAlias = Literal["paper", "pivoted", "prefer"]
-"""Rule by which the kept parameters are chosen."""
+from .options import Choice, Engine, Model, options
 
 
 class Link(NamedTuple):
@@ -166,9 +158,10 @@ class Robot:
         rows : iterable of dict or tuple
             One row a link. A dict has the keys of a robot TOML: ``name``, ``antecedent``,
             ``joint`` (``"revolute"``, ``"prismatic"``, ``"fixed"``), ``active``, ``rotor``,
-            ``gamma``, ``b``, ``alpha``, ``d``, ``theta``, ``r``, ``inertia``; all may be left
-            out. A tuple is (alpha, d, theta, r). Lengths in m, angles in rad or text
-            (``"-90 deg"``, ``"pi/2"``); texts may use `constants`.
+            ``gamma``, ``b``, ``alpha``, ``d``, ``theta``, ``r``, ``inertia``; all but
+            ``alpha``, ``d``, ``theta`` and ``r`` may be left out. A tuple is
+            (alpha, d, theta, r). Lengths in m, angles in rad or text (``"-90 deg"``,
+            ``"pi/2"``); texts may use `constants`.
         name : str
             The robot's name.
         gravity : 3 numbers
@@ -434,8 +427,8 @@ class Robot:
         choice: Choice | None = None,
         keep: Sequence[str] = (),
         drop: Sequence[str] = (),
-        seed: int = 0,
-        rows: int | None = None,
+        seed: SupportsIndex = 0,
+        rows: SupportsIndex | None = None,
         tolerance: float | str | None = None,
     ) -> BaseParameters:
         """Find the base inertial parameters and how the others regroup onto them.
@@ -487,17 +480,21 @@ class Robot:
         >>> list(base.relations["XX_6"])
         ['XX_6', 'YY_6']
         """
-        options = {
-            "model": model,
-            "engine": engine,
-            "choice": choice,
-            "keep": list(keep),
-            "drop": list(drop),
-            "seed": seed,
-            "rows": rows,
-            "tolerance": tolerance,
-        }
-        return BaseParameters._of(self, self._inner.base_parameters(options))
+        answer = analyse(
+            self,
+            options(
+                model=model,
+                engine=engine,
+                choice=choice,
+                keep=keep,
+                drop=drop,
+                seed=seed,
+                rows=rows,
+                tolerance=tolerance,
+            ),
+        )
+        answer._warn_of_doubt()
+        return answer
 
     def compare(
         self,
@@ -506,7 +503,7 @@ class Robot:
         keep: Sequence[str] = (),
         drop: Sequence[str] = (),
         tolerance: float | str | None = None,
-        seed: int = 0,
+        seed: SupportsIndex = 0,
     ) -> Comparison:
         """Run all models by all engines and tell whether they agree.
 
@@ -522,8 +519,8 @@ class Robot:
         >>> rv.load("puma560").compare().agree
         True
         """
-        core = self._inner.compare(choice, list(keep), list(drop), tolerance, seed)
-        return Comparison._of(self, core)
+        asked = options(choice=choice, keep=keep, drop=drop, tolerance=tolerance, seed=seed)
+        return Comparison._of(self, asked, self._inner.compare(asked))
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Robot):

@@ -7,7 +7,7 @@ use crate::errors::raise;
 
 /// When a number counts as zero: a ratio, or a rule by name.
 #[derive(FromPyObject)]
-pub enum ToleranceArgument {
+enum ToleranceArgument {
     Ratio(f64),
     Name(String),
 }
@@ -28,7 +28,7 @@ fn engine(py: Python<'_>, name: &str) -> PyResult<Engine> {
 }
 
 /// The paper's choice unless another is named; lists to keep or drop mean `prefer`.
-pub fn choice(
+fn choice(
     py: Python<'_>,
     name: Option<&str>,
     keep: Vec<String>,
@@ -48,7 +48,7 @@ pub fn choice(
     }
 }
 
-pub fn tolerance(py: Python<'_>, argument: Option<ToleranceArgument>) -> PyResult<Tolerance> {
+fn tolerance(py: Python<'_>, argument: Option<ToleranceArgument>) -> PyResult<Tolerance> {
     match argument {
         None => Ok(Tolerance::default()),
         Some(ToleranceArgument::Ratio(dependent)) if dependent > 0.0 && dependent < 1.0 => {

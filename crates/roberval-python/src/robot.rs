@@ -9,7 +9,7 @@ use roberval_regressor::Regressor;
 
 use crate::answer::{Answer, Comparison};
 use crate::errors::{IntoPython, detached};
-use crate::options::{OptionArguments, ToleranceArgument, choice, model, tolerance};
+use crate::options::{OptionArguments, model};
 use crate::states::{OwnedStates, vector};
 
 /// A robot, immutable.
@@ -203,18 +203,17 @@ impl Robot {
     }
 
     /// All models by all engines.
-    fn compare(
-        &self,
-        py: Python<'_>,
-        choice_name: Option<&str>,
-        keep: Vec<String>,
-        drop: Vec<String>,
-        tolerance_argument: Option<ToleranceArgument>,
-        seed: u64,
-    ) -> PyResult<Comparison> {
-        let choice = choice(py, choice_name, keep, drop)?;
-        let tolerance = tolerance(py, tolerance_argument)?;
-        detached(py, || compare(&self.mechanism, &choice, tolerance, seed)).map(Comparison::new)
+    fn compare(&self, py: Python<'_>, options: OptionArguments) -> PyResult<Comparison> {
+        let options = options.check(py)?;
+        detached(py, || {
+            compare(
+                &self.mechanism,
+                &options.choice,
+                options.tolerance,
+                options.seed,
+            )
+        })
+        .map(Comparison::new)
     }
 }
 
