@@ -49,6 +49,14 @@ pub enum BaseError {
         /// Entries found.
         found: usize,
     },
+    /// The user stopped a search.
+    #[error("stopped after {done} of at most {most} searches for samples")]
+    Stopped {
+        /// Searches done.
+        done: usize,
+        /// Searches at most.
+        most: usize,
+    },
     /// The states do not fit the robot.
     #[error(transparent)]
     Regressor(#[from] RegressorError),

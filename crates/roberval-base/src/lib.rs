@@ -11,14 +11,16 @@ mod method;
 mod observation;
 mod result;
 mod sample;
+mod scaling;
 
 pub use choice::Choice;
 pub use compare::{Comparison, Route, compare};
 pub use engine::Engine;
 pub use error::BaseError;
-pub use method::{Options, base_parameters};
+pub use method::{Options, base_parameters, base_parameters_at};
 pub use observation::{Observation, observe};
 pub use result::{BaseParameters, Diagnosis, Relation, Tally};
 pub use roberval_linalg::{Matrix, PAPER_EPS_VAX, Tolerance};
 pub use roberval_regressor::Model;
 pub use sample::Samples;
+pub use scaling::{Grade, Scaling, ScalingOptions, ScalingProgress, scale};

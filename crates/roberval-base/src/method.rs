@@ -1,9 +1,10 @@
 use roberval_linalg::{Matrix, Relations, Tolerance, equilibrate, unscale_relations};
-use roberval_mechanism::{Mechanism, ParameterSpace};
+use roberval_mechanism::Mechanism;
 use roberval_regressor::Model;
 use roberval_scalar::SplitMix64;
 
 use crate::engine::{Finding, complement};
+use crate::observation::check_size;
 use crate::result::{Classes, Diagnosis};
 use crate::{BaseError, BaseParameters, Choice, Engine, Observation, Samples, observe};
 
@@ -38,8 +39,24 @@ pub fn base_parameters(
     options: &Options,
 ) -> Result<BaseParameters, BaseError> {
     let space = mechanism.parameters();
-    let samples = draw_samples(mechanism, &space, options);
-    let observation = observe(mechanism, options.model, &samples)?;
+    let count = sample_count(mechanism, options.model, options.rows, 2 * space.len())?;
+    let samples = Samples::draw(mechanism, count, options.seed);
+    base_parameters_at(mechanism, options, &samples)
+}
+
+/// [`base_parameters`] at samples of one's own, such as [`crate::scale`] finds;
+/// `options.rows` plays no part.
+///
+/// # Errors
+/// Those of [`base_parameters`]; [`BaseError::Regressor`] if the samples do not fit the
+/// robot.
+pub fn base_parameters_at(
+    mechanism: &Mechanism,
+    options: &Options,
+    samples: &Samples,
+) -> Result<BaseParameters, BaseError> {
+    let space = mechanism.parameters();
+    let observation = observe(mechanism, options.model, samples)?;
     let no_effect = observation.without_effect();
     let order = options.choice.order(&space, &observation.with_effect())?;
     let w = observation.w.select_columns(&order);
@@ -65,19 +82,24 @@ pub fn base_parameters(
     ))
 }
 
-/// At least 2 C rows, C being an upper bound of c.
-fn draw_samples(mechanism: &Mechanism, space: &ParameterSpace, options: &Options) -> Samples {
-    let rows = options.rows.unwrap_or(2 * space.len());
-    let each = options.model.rows(mechanism.dof());
-    let count = match (options.rows, options.model) {
-        (_, Model::H) => rows.saturating_add(1), // the first sample is the reference
-        (None, _) => rows.div_ceil(each).max(FEWEST_SAMPLES),
-        (Some(_), _) => rows.div_ceil(each),
-    };
-    Samples::draw(mechanism, count, options.seed)
+/// The samples that give W `rows` rows, or by default at least `at_least`.
+pub(crate) fn sample_count(
+    mechanism: &Mechanism,
+    model: Model,
+    rows: Option<usize>,
+    at_least: usize,
+) -> Result<usize, BaseError> {
+    let wanted = rows.unwrap_or(at_least);
+    check_size(wanted, mechanism.parameters().len())?;
+    let each = model.rows(mechanism.dof());
+    Ok(match (rows, model) {
+        (_, Model::H) => wanted + 1, // the first sample is the reference
+        (None, _) => wanted.div_ceil(each).max(FEWEST_SAMPLES),
+        (Some(_), _) => wanted.div_ceil(each),
+    })
 }
 
-fn check_rows(w: &Matrix) -> Result<(), BaseError> {
+pub(crate) fn check_rows(w: &Matrix) -> Result<(), BaseError> {
     if w.rows() < w.cols() {
         return Err(BaseError::TooFewRows {
             rows: w.rows(),

@@ -76,3 +76,19 @@ fn probe(n: usize, seed: u64) -> Vec<f64> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_product_that_holds_with_factors_that_are_not_orthogonal_is_flagged() {
+        let q = Matrix::identity(6);
+        let r = Matrix::from_fn(6, 6, |i, j| if i <= j { 1.0 / (1 + j) as f64 } else { 0.0 });
+        assert_eq!(worst_ratio(&r, &q, &r, &[&q]), 0.0);
+        let scaled = |a: &Matrix, by: f64| Matrix::from_fn(6, 6, |i, j| by * a[(i, j)]);
+        let (doubled, halved) = (scaled(&q, 2.0), scaled(&r, 0.5));
+        assert_eq!(worst_ratio(&r, &doubled, &halved, &[]), 0.0);
+        assert!(worst_ratio(&r, &doubled, &halved, &[&doubled]) > RATIO_BAR);
+    }
+}

@@ -65,13 +65,14 @@ pub fn relations_qr(
     let (w1, w2) = (scaled.select_columns(kept), scaled.select_columns(deleted));
     let dust = w1.rows().max(w1.cols()) as f64 * f64::EPSILON;
     let solver = Solver::new(&w1, &w2, dust, "kept columns of W")?;
+    let doubled = Doubled::new(&w1);
     let mut beta = solver.solution();
     let mut bound = Matrix::zeros(kept.len(), deleted.len());
     let pseudo_inverse = solver.inverse_row_norms();
     let norms: Vec<f64> = (0..w1.cols()).map(|k| w1.column_norm(k)).collect();
     let (rows, b) = (w1.rows(), w1.cols());
     for j in 0..deleted.len() {
-        let mut rest = residual(&w1, beta.col(j), w2.col(j));
+        let mut rest = doubled.residual(beta.col(j), w2.col(j));
         solver.form.apply_q_transposed(&mut rest);
         let hidden = if rows > b {
             (rows as f64 / (rows - b) as f64).sqrt()
@@ -243,27 +244,42 @@ impl Solver {
     }
 }
 
-/// `b - A x`, accumulated in twice the working precision.
-fn residual(a: &Matrix, x: &[f64], b: &[f64]) -> Vec<f64> {
-    let mut high = b.to_vec();
-    let mut low = vec![0.0; b.len()];
-    for (k, &x) in x.iter().enumerate() {
-        let (x_high, x_low) = split(x);
-        for ((high, low), &a) in high.iter_mut().zip(&mut low).zip(a.col(k)) {
-            let product = a * x;
-            let (a_high, a_low) = split(a);
-            let error =
-                ((a_high * x_high - product) + a_high * x_low + a_low * x_high) + a_low * x_low;
-            let sum = *high - product;
-            let back = sum - *high;
-            *low += ((*high - (sum - back)) - (product + back)) - error;
-            *high = sum;
-        }
+/// A matrix beside the halves of its entries, for residuals in twice the working precision.
+struct Doubled<'a> {
+    a: &'a Matrix,
+    high: Matrix,
+    low: Matrix,
+}
+
+impl<'a> Doubled<'a> {
+    fn new(a: &'a Matrix) -> Self {
+        let high = Matrix::from_fn(a.rows(), a.cols(), |i, j| split(a[(i, j)]).0);
+        let low = Matrix::from_fn(a.rows(), a.cols(), |i, j| a[(i, j)] - high[(i, j)]);
+        Doubled { a, high, low }
     }
-    high.iter()
-        .zip(&low)
-        .map(|(high, low)| high + low)
-        .collect()
+
+    /// `b - A x`: Dekker's exact products, Knuth's exact sums.
+    fn residual(&self, x: &[f64], b: &[f64]) -> Vec<f64> {
+        let mut sum = b.to_vec();
+        let mut rest = vec![0.0; b.len()];
+        for (k, &x) in x.iter().enumerate().filter(|&(_, &x)| x != 0.0) {
+            let (x_high, x_low) = split(x);
+            let halves = self.high.col(k).iter().zip(self.low.col(k));
+            let sums = sum.iter_mut().zip(&mut rest);
+            for ((&a, (&high, &low)), (sum, rest)) in self.a.col(k).iter().zip(halves).zip(sums) {
+                let product = a * x;
+                let lost = ((high * x_high - product) + high * x_low + low * x_high) + low * x_low;
+                let next = *sum - product;
+                let back = next - *sum;
+                *rest += ((*sum - (next - back)) - (product + back)) - lost;
+                *sum = next;
+            }
+        }
+        sum.iter()
+            .zip(&rest)
+            .map(|(sum, rest)| sum + rest)
+            .collect()
+    }
 }
 
 /// Veltkamp's split of a double into two halves of 26 bits.

@@ -175,3 +175,50 @@ fn a_square_matrix_with_an_early_dependent_column_is_ranked_by_the_staircase_not
     let staircase = staircase_qr(&w, &Tolerance::default()).unwrap();
     assert_eq!((staircase.kept, staircase.deleted), (vec![1], vec![0]));
 }
+
+#[test]
+fn a_column_of_dust_below_the_rank_is_not_chosen_by_qrii() {
+    let mut rng = Rng::new(23);
+    for dusty in 0..6 {
+        let full = rng.matrix(20, 6);
+        let w = Matrix::from_fn(
+            20,
+            6,
+            |i, j| if j == dusty { 1e-16 } else { 1.0 } * full[(i, j)],
+        );
+        let pivoted = qrii(&w).unwrap();
+        let rank = pivoted.decide(&Tolerance::default()).unwrap().rank;
+        let others: Vec<usize> = (0..6).filter(|&j| j != dusty).collect();
+        assert_eq!(pivoted.leftmost(rank).unwrap(), others);
+        // The staircase judges a column by its own norm: structural zeros have to be taken out before.
+        assert_eq!(
+            staircase_qr(&w, &Tolerance::default())
+                .unwrap()
+                .decision
+                .rank,
+            6
+        );
+    }
+}
+
+#[test]
+fn the_relative_threshold_is_a_fraction_of_the_columns_own_norm() {
+    let tolerance = Tolerance::Relative {
+        dependent: 1e-3,
+        independent: 1e-2,
+    };
+    for (rest, norm, rank) in [
+        (1.2e-3, 1.3, 1),
+        (1.4e-3, 1.3, 2),
+        (0.8e-3, 0.75, 2),
+        (0.7e-3, 0.75, 1),
+    ] {
+        let along = f64::sqrt(norm * norm - rest * rest);
+        let w = Matrix::from_row_major(2, 2, &[1.0, along, 0.0, rest]).unwrap();
+        assert_eq!(
+            staircase_qr(&w, &tolerance).unwrap().decision.rank,
+            rank,
+            "{rest} of {norm}"
+        );
+    }
+}
