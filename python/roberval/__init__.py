@@ -8,7 +8,7 @@
 """
 
 from ._core import __version__
-from .base import BaseParameters, Comparison, Diagnosis, Route
+from .base import BaseParameters, Comparison, Diagnosis, Relations, Route
 from .errors import (
     ArrayError,
     DoubtfulRankWarning,
@@ -40,6 +40,7 @@ __all__ = [
     "Model",
     "NumericalError",
     "OptionError",
+    "Relations",
     "RobervalError",
     "Robot",
     "RobotError",

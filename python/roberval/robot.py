@@ -10,11 +10,12 @@ from typing import Any, NamedTuple, SupportsIndex
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, arrays, mdh
+from . import _core, arrays, mdh, rendering
 from .arrays import Array
 from .base import BaseParameters, Comparison, analyse
 from .errors import RobervalError, RobotWarning, ShapeError
 from .options import Choice, Engine, Model, options
+from .rendering import Rendered
 
 
 class Link(NamedTuple):
@@ -104,7 +105,7 @@ def catalogue() -> tuple[CatalogueEntry, ...]:
     return tuple(CatalogueEntry(*entry) for entry in _core.catalogue())
 
 
-class Robot:
+class Robot(Rendered):
     """A robot: a chain or tree of links and joints. Immutable.
 
     Make one with `load`, `Robot.from_mdh`, `Robot.from_toml` or `Robot.from_urdf`.
@@ -119,7 +120,7 @@ class Robot:
         Ia                 kg m^2 (prismatic: kg), rotor inertia seen from the joint's side
     """
 
-    __slots__ = ("__weakref__", "_inner", "_labels", "_links")
+    __slots__ = ("_labels", "_links")
 
     _inner: _core.Robot
     _labels: tuple[str, ...]
@@ -541,6 +542,21 @@ class Robot:
             if kind in kinds
         )
         return f"Robot({self.name!r}, {joints}, {len(self._labels)} parameters)"
+
+    def _repr_html_(self) -> str:
+        header = ["link", "antecedent", "joint", "type", "active", "rotor"]
+        rows = (
+            [
+                link.name,
+                link.antecedent or "base",
+                link.joint_name or "",
+                link.joint,
+                "yes" if link.active else "no",
+                "yes" if link.rotor else "no",
+            ]
+            for link in self._links
+        )
+        return rendering.paragraph(repr(self)) + rendering.grid(header, rows)
 
 
 def _restore(format: str, text: str, name: str, keep_fixed: bool) -> Robot:

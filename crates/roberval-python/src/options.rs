@@ -3,6 +3,8 @@
 use pyo3::prelude::*;
 use roberval_base::{Choice, Engine, Model, Options, PAPER_EPS_VAX, Tolerance};
 
+use roberval_tables::Format;
+
 use crate::errors::raise;
 
 /// When a number counts as zero: a ratio, or a rule by name.
@@ -70,6 +72,12 @@ fn tolerance(py: Python<'_>, argument: Option<ToleranceArgument>) -> PyResult<To
             other => Err(refuse(py, "tolerance", other, &["paper", "paper-ieee"])),
         },
     }
+}
+
+/// Who a table is for.
+pub fn rendering(py: Python<'_>, name: &str) -> PyResult<Format> {
+    name.parse()
+        .map_err(|_| refuse(py, "format", name, &Format::ALL.map(Format::name)))
 }
 
 /// All options of an analysis.

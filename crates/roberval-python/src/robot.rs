@@ -6,10 +6,11 @@ use roberval_base::{base_parameters, compare};
 use roberval_formats::{FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml};
 use roberval_mechanism::{JointKind, Mechanism, RobotDescription, SourceFormat};
 use roberval_regressor::Regressor;
+use roberval_tables as tables;
 
 use crate::answer::{Answer, Comparison};
 use crate::errors::{IntoPython, detached};
-use crate::options::{OptionArguments, model};
+use crate::options::{self, OptionArguments, rendering};
 use crate::states::{OwnedStates, vector};
 
 /// A robot, immutable.
@@ -73,6 +74,11 @@ impl Robot {
 
     fn to_toml(&self, py: Python<'_>) -> PyResult<String> {
         to_toml(&self.mechanism.description).map_err(|error| error.into_python(py))
+    }
+
+    fn render(&self, py: Python<'_>, format: &str) -> PyResult<String> {
+        let format = rendering(py, format)?;
+        Ok(tables::show(&self.mechanism, format))
     }
 
     #[getter]
@@ -158,14 +164,14 @@ impl Robot {
     fn regressor(
         &self,
         py: Python<'_>,
-        model_name: &str,
+        model: &str,
         columns: Option<Vec<usize>>,
         q: PyReadonlyArray2<'_, f64>,
         qd: PyReadonlyArray2<'_, f64>,
         qdd: PyReadonlyArray2<'_, f64>,
         out: &Bound<'_, PyArrayDyn<f64>>,
     ) -> PyResult<()> {
-        let model = model(py, model_name)?;
+        let model = options::model(py, model)?;
         let states = OwnedStates::copy(&q, &qd, &qdd)?;
         drop((q, qd, qdd)); // else `out` could not share memory with them
         let width = columns
