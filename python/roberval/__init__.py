@@ -22,8 +22,10 @@ from .errors import (
     ShapeError,
     UnknownParameterError,
 )
+from .loading import CatalogueEntry, catalogue, load
 from .options import Choice, Engine, Model
-from .robot import CatalogueEntry, Link, Robot, catalogue, load
+from .robot import Link, Robot
+from .scaling import Grade, Scaling
 
 __all__ = [
     "ArrayError",
@@ -34,6 +36,7 @@ __all__ = [
     "Diagnosis",
     "DoubtfulRankWarning",
     "Engine",
+    "Grade",
     "InternalError",
     "Link",
     "MissingPackageError",
@@ -46,6 +49,7 @@ __all__ = [
     "RobotError",
     "RobotWarning",
     "Route",
+    "Scaling",
     "ShapeError",
     "UnknownParameterError",
     "__version__",

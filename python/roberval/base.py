@@ -109,22 +109,30 @@ class BaseParameters(Rendered):
     Made by `Robot.base_parameters`.
     """
 
-    __slots__ = ("_beta", "_options", "_robot")
+    __slots__ = ("_beta", "_options", "_robot", "_samples")
 
     _inner: _core.Answer
     _robot: Robot
     _options: Options
+    _samples: tuple[Array, Array, Array] | None
     _beta: Array
 
     def __init__(self) -> None:
         raise TypeError("make BaseParameters with Robot.base_parameters")
 
     @classmethod
-    def _of(cls, robot: Robot, options: Options, core: _core.Answer) -> BaseParameters:
+    def _of(
+        cls,
+        robot: Robot,
+        options: Options,
+        core: _core.Answer,
+        samples: tuple[Array, Array, Array] | None = None,
+    ) -> BaseParameters:
         answer = object.__new__(cls)
         answer._inner = core
         answer._robot = robot
         answer._options = options
+        answer._samples = samples
         answer._beta = core.beta()
         answer._beta.flags.writeable = False
         return answer
@@ -368,7 +376,7 @@ class BaseParameters(Rendered):
 
     def __reduce__(self) -> tuple[Any, ...]:
         # The same options give the same answer: cheaper to find again than to store.
-        return analyse, (self._robot, self._options)
+        return analyse, (self._robot, self._options, self._samples)
 
     def __repr__(self) -> str:
         doubt = "" if self._inner.clear else ", doubtful"
@@ -398,9 +406,12 @@ class Route:
     beta_difference: float
 
 
-def analyse(robot: Robot, options: Options) -> BaseParameters:
-    """Find the base parameters of a robot with these options."""
-    return BaseParameters._of(robot, options, robot._inner.base_parameters(options))
+def analyse(
+    robot: Robot, options: Options, samples: tuple[Array, Array, Array] | None = None
+) -> BaseParameters:
+    """Find the base parameters of a robot with these options, at random samples or at those."""
+    core = robot._inner.base_parameters(options, *(samples or ()))
+    return BaseParameters._of(robot, options, core, samples)
 
 
 def _of_route(options: Options, answer: _core.Answer) -> Options:

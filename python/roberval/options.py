@@ -44,18 +44,19 @@ def options(
 ) -> Options:
     """Return the options as the core takes them."""
     return {
-        "model": _text("model", model),
-        "engine": None if engine is None else _text("engine", engine),
-        "choice": None if choice is None else _text("choice", choice),
+        "model": text("model", model),
+        "engine": None if engine is None else text("engine", engine),
+        "choice": None if choice is None else text("choice", choice),
         "keep": _labels("keep", keep),
         "drop": _labels("drop", drop),
-        "seed": _integer("seed", seed, 0, 2**64 - 1),
-        "rows": None if rows is None else _integer("rows", rows, 1, 2**63 - 1),
+        "seed": integer("seed", seed, 0, 2**64 - 1),
+        "rows": None if rows is None else integer("rows", rows, 1, 2**63 - 1),
         "tolerance": _tolerance(tolerance),
     }
 
 
-def _text(name: str, value: Any) -> str:
+def text(name: str, value: Any) -> str:
+    """Return a word, or refuse anything else."""
     if not isinstance(value, str):
         raise OptionError(f"{name} is {value!r}, expected a word")
     return value
@@ -64,17 +65,18 @@ def _text(name: str, value: Any) -> str:
 def _labels(name: str, value: Any) -> list[str]:
     if isinstance(value, str):
         raise OptionError(f"{name} is the text {value!r}, expected a list of labels")
-    return [_text(f"an entry of {name}", label) for label in value]
+    return [text(f"an entry of {name}", label) for label in value]
 
 
-def _integer(name: str, value: Any, least: int, most: int) -> int:
+def integer(name: str, value: Any, least: int, most: int) -> int:
+    """Return an integer of this range, or refuse anything else."""
     try:
-        integer = operator.index(value)
+        number = operator.index(value)
     except TypeError:
-        integer = -1
-    if not least <= integer <= most:
+        number = least - 1
+    if not least <= number <= most:
         raise OptionError(f"{name} is {value!r}, expected an integer from {least} to {most}")
-    return integer
+    return number
 
 
 def _tolerance(value: Any) -> float | str | None:

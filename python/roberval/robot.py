@@ -13,9 +13,10 @@ import numpy.typing as npt
 from . import _core, arrays, mdh, rendering
 from .arrays import Array
 from .base import BaseParameters, Comparison, analyse
-from .errors import RobervalError, RobotWarning, ShapeError
+from .errors import OptionError, RobervalError, RobotWarning, ShapeError
 from .options import Choice, Engine, Model, options
 from .rendering import Rendered
+from .scaling import Scaling, scaling_options
 
 
 class Link(NamedTuple):
@@ -43,66 +44,6 @@ class Link(NamedTuple):
     joint: str
     active: bool
     rotor: bool
-
-
-class CatalogueEntry(NamedTuple):
-    """A built-in robot.
-
-    Attributes
-    ----------
-    name : str
-        The name under which `load` finds it.
-    title : str
-        What robot it is.
-    source : str
-        Where its numbers come from.
-    """
-
-    name: str
-    title: str
-    source: str
-
-
-def load(path_or_name: str | os.PathLike[str], *, keep_fixed: bool = False) -> Robot:
-    """Load a robot: a built-in one by its name, or a robot TOML or URDF file.
-
-    Parameters
-    ----------
-    path_or_name : str or path
-        A name of `catalogue`, or the path of a file.
-    keep_fixed : bool
-        For URDF: keep links on fixed joints as links of their own. By default they are
-        lumped into their parents.
-
-    Returns
-    -------
-    Robot
-
-    Raises
-    ------
-    RobotError
-        There is no such file or robot, or the file is not valid; the message names the
-        file, the line and what would be right.
-
-    Examples
-    --------
-    >>> import roberval as rv
-    >>> rv.load("puma560")
-    Robot('PUMA 560', 6 revolute joints, 66 parameters)
-    """
-    return Robot._of(_core.Robot.load(os.fspath(path_or_name), keep_fixed))
-
-
-def catalogue() -> tuple[CatalogueEntry, ...]:
-    """List the built-in robots.
-
-    Examples
-    --------
-    >>> import roberval as rv
-    >>> "puma560" in [entry.name for entry in rv.catalogue()]
-    True
-    """
-    return tuple(CatalogueEntry(*entry) for entry in _core.catalogue())
 
 
 class Robot(Rendered):
@@ -431,6 +372,7 @@ class Robot(Rendered):
         seed: SupportsIndex = 0,
         rows: SupportsIndex | None = None,
         tolerance: float | str | None = None,
+        samples: Scaling | tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike] | None = None,
     ) -> BaseParameters:
         """Find the base inertial parameters and how the others regroup onto them.
 
@@ -455,6 +397,8 @@ class Robot(Rendered):
         tolerance : float or {"paper", "paper-ieee"}
             What counts as zero: a ratio to the column's norm, or the paper's rule
             ``tau = r |T11| eps`` with its own eps 2^-56 or IEEE's 2^-52.
+        samples : Scaling or (q, qd, qdd)
+            Joint states to take instead of random ones; `rows` and `seed` then play no part.
 
         Returns
         -------
@@ -493,9 +437,73 @@ class Robot(Rendered):
                 rows=rows,
                 tolerance=tolerance,
             ),
+            None if samples is None else self._samples(samples),
         )
         answer._warn_of_doubt()
         return answer
+
+    def _samples(
+        self, samples: Scaling | tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike]
+    ) -> tuple[Array, Array, Array]:
+        if isinstance(samples, Scaling):
+            return samples.q, samples.qd, samples.qdd
+        if not isinstance(samples, tuple) or len(samples) != 3:
+            raise OptionError("samples is no tuple (q, qd, qdd) and no Scaling")
+        q, qd, qdd = samples
+        return arrays.states(q, qd, qdd, self.n)[:3]
+
+    def scale(
+        self,
+        model: Model = "h",
+        *,
+        seed: SupportsIndex = 0,
+        rows: SupportsIndex | None = None,
+        target: float | None = None,
+        starts: SupportsIndex | None = None,
+        rounds: SupportsIndex | None = None,
+        weights: tuple[float, float] | None = None,
+    ) -> Scaling:
+        """Search for samples that show all parameters evenly (Gautier 1991, "Scaling of W").
+
+        Parameters
+        ----------
+        model : {"h", "d", "d0"}
+            The model whose observation matrix W is scaled.
+        seed : int
+            Names the random starts.
+        rows : int
+            Rows of W; by default c, as in the paper, and at least 24 samples of d and d0.
+        target : float
+            The S = max |W_ij| / min |W_ij| to stop at; by default 100.
+        starts : int
+            Random states that compete to start a search.
+        rounds : int
+            How often, on average, a piece of W is searched again while the target is missed.
+        weights : (float, float)
+            l1 and l2 of the criterion J = l1 ||W||_F + l2 S.
+
+        Returns
+        -------
+        Scaling
+            Its samples can be given to `base_parameters`.
+
+        Raises
+        ------
+        OptionError
+            An option is not usable.
+
+        Examples
+        --------
+        >>> import roberval as rv
+        >>> puma = rv.load("puma560")
+        >>> scaling = puma.scale("h")
+        >>> scaling.after.s < 200 < scaling.before.s
+        True
+        >>> puma.base_parameters("h", samples=scaling).rank
+        40
+        """
+        asked = scaling_options(model, seed, rows, target, starts, rounds, weights)
+        return Scaling._of(model, self._labels, self._inner.scale(asked))
 
     def compare(
         self,

@@ -1,6 +1,6 @@
 //! Base parameters and comparisons as Python reads them.
 
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use roberval_base::{self as base, BaseParameters};
 
@@ -8,6 +8,7 @@ use roberval_tables as tables;
 
 use crate::errors::detached;
 use crate::options::rendering;
+use crate::scaling::matrix;
 use crate::states::vector;
 
 /// The base parameters of a robot, immutable. Columns are numbers into the robot's labels.
@@ -76,9 +77,7 @@ impl Answer {
 
     /// beta, b x (c - b).
     fn beta<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let beta = &self.answer.beta;
-        let rows = (0..beta.rows()).flat_map(|i| (0..beta.cols()).map(move |j| beta[(i, j)]));
-        PyArray1::from_iter(py, rows).reshape([beta.rows(), beta.cols()])
+        matrix(py, &self.answer.beta)
     }
 
     #[getter]

@@ -2,7 +2,7 @@
 
 use numpy::{PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
-use roberval_base::{base_parameters, compare};
+use roberval_base::{base_parameters, base_parameters_at, compare};
 use roberval_formats::{FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml};
 use roberval_mechanism::{JointKind, Mechanism, RobotDescription, SourceFormat};
 use roberval_regressor::Regressor;
@@ -11,6 +11,7 @@ use roberval_tables as tables;
 use crate::answer::{Answer, Comparison};
 use crate::errors::{IntoPython, detached};
 use crate::options::{self, OptionArguments, rendering};
+use crate::scaling::{self, Scaling, ScalingArguments};
 use crate::states::{OwnedStates, vector};
 
 /// A robot, immutable.
@@ -202,10 +203,32 @@ impl Robot {
         })
     }
 
-    /// The base parameters.
-    fn base_parameters(&self, py: Python<'_>, options: OptionArguments) -> PyResult<Answer> {
+    /// The base parameters, at random samples or at those given.
+    #[pyo3(signature = (options, q=None, qd=None, qdd=None))]
+    fn base_parameters(
+        &self,
+        py: Python<'_>,
+        options: OptionArguments,
+        q: Option<PyReadonlyArray2<'_, f64>>,
+        qd: Option<PyReadonlyArray2<'_, f64>>,
+        qdd: Option<PyReadonlyArray2<'_, f64>>,
+    ) -> PyResult<Answer> {
         let options = options.check(py)?;
-        detached(py, || base_parameters(&self.mechanism, &options)).map(Answer::new)
+        let answer = match (q, qd, qdd) {
+            (Some(q), Some(qd), Some(qdd)) => {
+                let samples = OwnedStates::copy(&q, &qd, &qdd)?.into_samples();
+                detached(py, || {
+                    base_parameters_at(&self.mechanism, &options, &samples)
+                })?
+            }
+            _ => detached(py, || base_parameters(&self.mechanism, &options))?,
+        };
+        Ok(Answer::new(answer))
+    }
+
+    /// Samples that scale W.
+    fn scale(&self, py: Python<'_>, options: ScalingArguments) -> PyResult<Scaling> {
+        scaling::search(py, &self.mechanism, options)
     }
 
     /// All models by all engines.
