@@ -90,7 +90,7 @@ impl IntoPython for BaseError {
                 "OptionError"
             }
             Self::Length { .. } => "ShapeError",
-            Self::Linalg(_) => "NumericalError",
+            Self::Stopped { .. } | Self::Linalg(_) => "NumericalError",
         };
         raise(py, class, &self.to_string())
     }
