@@ -25,14 +25,27 @@ pub struct Route {
 pub struct Comparison {
     /// The routes, model by model.
     pub routes: Vec<Route>,
+    /// The routes that gave no answer, and why: nearly singular robots do this.
+    pub failures: Vec<Failure>,
     /// Whether all give one answer, and none is in doubt.
     pub agree: bool,
+}
+
+/// A route without an answer.
+#[derive(Debug, Clone)]
+pub struct Failure {
+    /// The model.
+    pub model: Model,
+    /// The engine.
+    pub engine: Engine,
+    /// Why.
+    pub error: BaseError,
 }
 
 /// Runs all models and engines on the same seed and tells whether they agree.
 ///
 /// # Errors
-/// Those of [`base_parameters`].
+/// Those of [`base_parameters`], but for failed factorisations: these are told in the result.
 pub fn compare(
     mechanism: &Mechanism,
     choice: &Choice,
@@ -40,6 +53,7 @@ pub fn compare(
     seed: u64,
 ) -> Result<Comparison, BaseError> {
     let mut routes: Vec<Route> = Vec::new();
+    let mut failures = Vec::new();
     for model in Model::ALL {
         for engine in Engine::ALL {
             let options = Options {
@@ -50,7 +64,18 @@ pub fn compare(
                 seed,
                 rows: None,
             };
-            let answer = base_parameters(mechanism, &options)?;
+            let answer = match base_parameters(mechanism, &options) {
+                Ok(answer) => answer,
+                Err(error @ BaseError::Linalg(_)) => {
+                    failures.push(Failure {
+                        model,
+                        engine,
+                        error,
+                    });
+                    continue;
+                }
+                Err(error) => return Err(error),
+            };
             let first = routes.first().map_or(&answer, |r| &r.answer);
             let same_columns = same_columns(first, &answer);
             let beta_difference = if same_columns {
@@ -65,10 +90,13 @@ pub fn compare(
             });
         }
     }
-    let agree = routes
-        .iter()
-        .all(|r| r.same_columns && r.beta_difference <= SAME_BETA && r.answer.diagnosis.clear);
-    Ok(Comparison { routes, agree })
+    let same = |r: &Route| r.same_columns && r.beta_difference <= SAME_BETA;
+    let agree = failures.is_empty() && routes.iter().all(|r| same(r) && r.answer.diagnosis.clear);
+    Ok(Comparison {
+        routes,
+        failures,
+        agree,
+    })
 }
 
 fn same_columns(a: &BaseParameters, b: &BaseParameters) -> bool {

@@ -249,8 +249,12 @@ fn ambiguity(
         format!(" ({})", names.join(", "))
     };
     format!(
-        "{count} direction{} of W{which} are neither zero nor clearly not, down to {smallest:.1e}: \
+        "{count} {}{which} neither zero nor clearly not, down to {smallest:.1e}: \
          angles or lengths of the robot file that are rounded (1.5708 for pi/2) do this",
-        if count == 1 { "" } else { "s" }
+        if count == 1 {
+            "direction of W is"
+        } else {
+            "directions of W are"
+        }
     )
 }

@@ -18,7 +18,7 @@ mod sample;
 mod scaling;
 
 pub use choice::Choice;
-pub use compare::{Comparison, Route, compare};
+pub use compare::{Comparison, Failure, Route, compare};
 pub use diagnosis::{Diagnosis, Structure, Witness};
 pub use engine::Engine;
 pub use error::BaseError;

@@ -6,6 +6,9 @@ use num_traits::{One, Zero};
 
 use crate::{Expr, Quantity};
 
+/// Digits of an expression with its constants spelled out that are still evaluated.
+const MOST_DIGITS: usize = 4000;
+
 /// `rational + pi * turns2`, the exact value of most angles and lengths.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct LinearInPi {
@@ -31,16 +34,28 @@ impl LinearInPi {
     }
 
     /// The exact value of an expression, `constants` being its named values; `None` if
-    /// it is not of this form (square roots of non-squares, products of pi).
+    /// it is not of this form (square roots of non-squares, products of pi) or
+    /// [too long](Self::is_too_long).
     #[must_use]
     pub fn of(expr: &Expr, constants: &[(String, Quantity)]) -> Option<Self> {
-        let value = |e: &Expr| Self::of(e, constants);
+        (!Self::is_too_long(expr, constants)).then(|| Self::evaluate(expr, constants))?
+    }
+
+    /// Whether an expression, its constants spelled out, has more digits and names than
+    /// anyone writes: constants that each use the one before twice spell out to any length.
+    #[must_use]
+    pub fn is_too_long(expr: &Expr, constants: &[(String, Quantity)]) -> bool {
+        digits_left(expr, constants, MOST_DIGITS).is_none()
+    }
+
+    fn evaluate(expr: &Expr, constants: &[(String, Quantity)]) -> Option<Self> {
+        let value = |e: &Expr| Self::evaluate(e, constants);
         match expr {
             Expr::Number(decimal) => Some(Self::rational(decimal.to_rational())),
             Expr::Name(name) => {
                 let at = constants.iter().position(|(n, _)| n == name)?;
                 // A constant refers to earlier ones only, so that this ends.
-                Self::of(&constants[at].1.expr, &constants[..at])
+                Self::evaluate(&constants[at].1.expr, &constants[..at])
             }
             Expr::Pi => Some(Self {
                 rational: BigRational::zero(),
@@ -87,6 +102,27 @@ impl LinearInPi {
     }
 }
 
+/// A budget of digits less those of an expression with its constants spelled out;
+/// `None` where they are more.
+fn digits_left(expr: &Expr, constants: &[(String, Quantity)], budget: usize) -> Option<usize> {
+    let budget = budget.checked_sub(1)?;
+    match expr {
+        Expr::Number(decimal) => {
+            let digits = decimal.mantissa.bits() / 3 + u64::from(decimal.exponent.unsigned_abs());
+            budget.checked_sub(usize::try_from(digits).ok()?)
+        }
+        Expr::Pi => Some(budget),
+        Expr::Name(name) => {
+            let at = constants.iter().position(|(known, _)| known == name)?;
+            digits_left(&constants[at].1.expr, &constants[..at], budget)
+        }
+        Expr::Neg(a) | Expr::Sqrt(a) => digits_left(a, constants, budget),
+        Expr::Add(a, b) | Expr::Sub(a, b) | Expr::Mul(a, b) | Expr::Div(a, b) => {
+            digits_left(b, constants, digits_left(a, constants, budget)?)
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -125,6 +161,22 @@ mod tests {
         assert_eq!(value("pi*a"), pair("0", "3/10"));
         assert_eq!(value("sqrt(2)"), None);
         assert_eq!(value("pi*pi"), None);
+    }
+
+    #[test]
+    fn constants_that_double_each_time_are_refused_at_once() {
+        let mut constants = vec![(
+            "c0".to_owned(),
+            Quantity::parse_number("0.3", &[]).expect("ok"),
+        )];
+        for k in 1..200 {
+            let text = format!("c{0} - c{0} * 1", k - 1);
+            let next = Quantity::parse_number(&text, &constants).expect("an expression");
+            constants.push((format!("c{k}"), next));
+        }
+        let last = &constants[199].1.expr;
+        assert!(LinearInPi::is_too_long(last, &constants[..199]));
+        assert_eq!(LinearInPi::of(last, &constants[..199]), None);
     }
 
     #[test]

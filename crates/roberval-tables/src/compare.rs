@@ -1,6 +1,6 @@
 //! All models by all engines, side by side.
 
-use roberval_base::{Comparison, Route};
+use roberval_base::{Comparison, Failure, Route};
 use serde_json::{Value, json};
 
 use crate::document::{Block, Column, Document, Item, Table};
@@ -97,7 +97,8 @@ pub(crate) fn verdict(comparison: &Comparison) -> String {
 
 /// Every route's doubts, said once each.
 pub(crate) fn doubts(comparison: &Comparison) -> Vec<String> {
-    let mut doubts = Vec::new();
+    let failure = |f: &Failure| format!("{} by {}: {}", f.model.name(), f.engine.name(), f.error);
+    let mut doubts: Vec<String> = comparison.failures.iter().map(failure).collect();
     let unclear = comparison
         .routes
         .iter()
@@ -127,8 +128,17 @@ pub(crate) fn json(comparison: &Comparison) -> String {
         "agree": comparison.agree,
         "verdict": verdict(comparison),
         "routes": routes,
+        "failures": comparison.failures.iter().map(failure).collect::<Vec<_>>(),
         "warnings": first.map(|a| &a.mechanism.description.warnings),
     }))
+}
+
+fn failure(failure: &Failure) -> Value {
+    json!({
+        "model": failure.model.name(),
+        "engine": failure.engine.name(),
+        "error": failure.error.to_string(),
+    })
 }
 
 fn route(route: &Route) -> Value {

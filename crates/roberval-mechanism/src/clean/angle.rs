@@ -71,9 +71,6 @@ pub(super) fn compare(expr: &Expr, constants: &Constants, k: i32) -> Exact {
             (false, _) => Exact::Other,
         };
     }
-    if digits_left(expr, constants, MOST_DIGITS).is_none() {
-        return Exact::Other;
-    }
     match LinearInPi::of(expr, constants) {
         Some(value) if value.rational.numer().bits() == 0 => {
             let turns = &value.half_turns;
@@ -84,31 +81,6 @@ pub(super) fn compare(expr: &Expr, constants: &Constants, k: i32) -> Exact {
             }
         }
         _ => Exact::Other,
-    }
-}
-
-/// More digits and names than anyone writes in an angle.
-const MOST_DIGITS: usize = 1000;
-
-/// A budget of digits less those of an expression with its constants spelled out;
-/// `None` where they are more. Exact evaluation needs such a bound: constants that each
-/// use the one before twice spell out to any length.
-fn digits_left(expr: &Expr, constants: &Constants, budget: usize) -> Option<usize> {
-    let budget = budget.checked_sub(1)?;
-    match expr {
-        Expr::Number(decimal) => {
-            let digits = decimal.mantissa.bits() / 3 + u64::from(decimal.exponent.unsigned_abs());
-            budget.checked_sub(usize::try_from(digits).ok()?)
-        }
-        Expr::Pi => Some(budget),
-        Expr::Name(name) => {
-            let at = constants.iter().position(|(known, _)| known == name)?;
-            digits_left(&constants[at].1.expr, &constants[..at], budget)
-        }
-        Expr::Neg(a) | Expr::Sqrt(a) => digits_left(a, constants, budget),
-        Expr::Add(a, b) | Expr::Sub(a, b) | Expr::Mul(a, b) | Expr::Div(a, b) => {
-            digits_left(b, constants, digits_left(a, constants, budget)?)
-        }
     }
 }
 

@@ -30,6 +30,9 @@ impl<'m> Lengths<'m, '_> {
                 self.fraction(&exact.rational)? + self.fraction(&exact.half_turns)? * self.pi
             );
         }
+        if LinearInPi::is_too_long(&quantity.expr, self.constants) {
+            return Err(NotInField::TooLong);
+        }
         self.roots.set(true);
         self.expr(&quantity.expr, angles)
     }

@@ -14,6 +14,9 @@ pub enum NotInField {
     /// The field has no such square root.
     #[error("a square root of the description is not in this prime field")]
     Root,
+    /// A number of the description has thousands of digits.
+    #[error("an expression of the description is too long to be evaluated exactly")]
+    TooLong,
     /// A denominator of the description is zero in the field.
     #[error("a denominator of the description is zero in this prime field")]
     Inverse,
