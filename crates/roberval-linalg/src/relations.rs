@@ -72,6 +72,13 @@ pub fn relations_qr(
     let norms: Vec<f64> = (0..w1.cols()).map(|k| w1.column_norm(k)).collect();
     let (rows, b) = (w1.rows(), w1.cols());
     for j in 0..deleted.len() {
+        let data = DATA_ERROR * (w2.column_norm(j) + weighted(&norms, beta.col(j)));
+        // Dust need not be refined: starting from 0 is as close, and most of beta is dust.
+        for (beta, row) in beta.col_mut(j).iter_mut().zip(&pseudo_inverse) {
+            if beta.abs() <= row * data {
+                *beta = 0.0;
+            }
+        }
         let mut rest = doubled.residual(beta.col(j), w2.col(j));
         solver.form.apply_q_transposed(&mut rest);
         let hidden = if rows > b {
@@ -85,12 +92,8 @@ pub fn relations_qr(
             .iter_mut()
             .zip(&rest)
             .for_each(|(beta, step)| *beta += step);
-        let weighted: f64 = norms
-            .iter()
-            .zip(beta.col(j))
-            .map(|(norm, beta)| norm * beta.abs())
-            .sum();
-        let error = DATA_ERROR * (w2.column_norm(j) + weighted) + unexplained;
+        let data = DATA_ERROR * (w2.column_norm(j) + weighted(&norms, beta.col(j)));
+        let error = data + unexplained;
         for i in 0..b {
             bound[(i, j)] = pseudo_inverse[i] * error;
         }
@@ -99,6 +102,11 @@ pub fn relations_qr(
         beta: unscale_relations(&beta, &exponents, kept, deleted)?,
         bound: unscale_relations(&bound, &exponents, kept, deleted)?,
     })
+}
+
+/// `sum_k norm_k |beta_k|`.
+fn weighted(norms: &[f64], beta: &[f64]) -> f64 {
+    norms.iter().zip(beta).map(|(n, beta)| n * beta.abs()).sum()
 }
 
 /// `beta = -V21 V22^-1`, eq. (27), from the null space V2 (c x (c - b)) alone.
