@@ -35,9 +35,6 @@ impl Target {
                 what: what.to_owned(),
             })
         };
-        if path.as_os_str().is_empty() {
-            return refuse("-o needs the name of a file");
-        }
         // A link is followed, so that it stays a link.
         let path = &fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         match fs::metadata(path) {

@@ -14,6 +14,7 @@
 //! (residual and orthogonality) and replaced by this crate's own slower factorisation if it fails.
 
 mod check;
+mod echelon;
 mod error;
 mod faer_calls;
 mod householder;
@@ -21,6 +22,7 @@ mod jacobi;
 mod matrix;
 mod null_space;
 mod qrii;
+mod reconstruct;
 mod relations;
 mod scale;
 mod staircase;
@@ -28,10 +30,12 @@ mod svd;
 mod tolerance;
 
 pub use check::RATIO_BAR;
+pub use echelon::Echelon;
 pub use error::LinalgError;
 pub use matrix::Matrix;
 pub use null_space::{deleted_from_null_space, v22_condition};
 pub use qrii::{PivotedQr, qrii};
+pub use reconstruct::{chinese_remainder, rational_from_residue};
 pub use relations::{Relations, relations_qr, relations_svd};
 pub use scale::{equilibrate, unscale_relations};
 pub use staircase::{Staircase, plain_qr_diagonal, staircase_qr};

@@ -9,6 +9,7 @@
 mod batch;
 mod dynamics;
 mod energy;
+mod exact;
 mod motion;
 mod sink;
 mod tree;
@@ -17,6 +18,7 @@ mod vector;
 pub use batch::{Model, Regressor, RegressorError, States};
 pub use dynamics::{DynamicsWorkspace, dynamics};
 pub use energy::{EnergyWorkspace, energy};
+pub use exact::{AngleOrder, ExactModel, ExactWorkspace, NotInField};
 pub use motion::JointMotion;
 pub use sink::{DenseRows, SelectedRows, Sink, Torques};
 pub use tree::{Body, Constants, Tree};

@@ -4,15 +4,21 @@
 //!   source runs over floats, magnitudes (error bounds), finite fields and expressions.
 //! * [`Decimal`], [`Expr`], [`Quantity`]: numbers as the user wrote them, kept exactly.
 
+mod field;
+mod linear;
 mod literal;
 mod magnitude;
+mod primes;
 mod random;
 mod scalar;
 
+pub use field::{Fp, Modulus};
+pub use linear::LinearInPi;
 pub use literal::{
     Constants, Decimal, Expr, LiteralError, LiteralFault, MAX_LITERAL_BYTES, MAX_LITERAL_DEPTH,
     Quantity, is_constant_name,
 };
 pub use magnitude::Magnitude;
+pub use primes::{is_prime, random_prime};
 pub use random::SplitMix64;
 pub use scalar::Scalar;

@@ -4,7 +4,7 @@
 /// become visible escapes such as `\u{1b}`: names reach terminals and logs.
 pub(crate) fn plain(text: &str) -> String {
     text.chars().fold(String::new(), |mut out, c| {
-        if c.is_control() || is_invisible(c) {
+        if is_hidden(c) {
             out.extend(c.escape_unicode());
         } else {
             out.push(c);
@@ -13,8 +13,10 @@ pub(crate) fn plain(text: &str) -> String {
     })
 }
 
-fn is_invisible(c: char) -> bool {
-    matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
+/// Controls, line separators, and marks that are not seen or turn the direction of text.
+pub(crate) fn is_hidden(c: char) -> bool {
+    let mark = matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{feff}');
+    c.is_control() || mark || ('\u{2060}'..='\u{206f}').contains(&c)
 }
 
 /// A link's name as part of a relation: in quotes if it would be read as something else.

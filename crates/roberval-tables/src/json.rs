@@ -2,17 +2,27 @@
 
 use serde_json::Value;
 
+use crate::escape::is_hidden;
+
 /// Values up to this many characters stand on one line.
 const LINE: usize = 96;
 
-/// JSON, indented, every short value on one line; U+2028 and U+2029 escaped for
-/// JavaScript; a line end at the end.
+/// JSON, indented, every short value on one line, a line end at the end. What a terminal
+/// or JavaScript would take for more than text (U+2028, bidirectional controls) is escaped.
 pub(crate) fn pretty(value: &Value) -> String {
-    let mut out = String::new();
-    write(value, 0, &mut out);
-    out.push('\n');
-    out.replace('\u{2028}', "\\u2028")
-        .replace('\u{2029}', "\\u2029")
+    let mut json = String::new();
+    write(value, 0, &mut json);
+    json.push('\n');
+    let mut out = String::with_capacity(json.len());
+    for c in json.chars() {
+        // All hidden characters lie in the basic plane: four digits are enough.
+        match c {
+            '\n' => out.push(c),
+            c if is_hidden(c) => out.push_str(&format!("\\u{:04x}", u32::from(c))),
+            c => out.push(c),
+        }
+    }
+    out
 }
 
 fn write(value: &Value, indent: usize, out: &mut String) {

@@ -76,8 +76,8 @@ impl Header {
     /// The bytes that the numbers take; `None` if no file can have so many.
     pub fn bytes(&self) -> Option<u64> {
         let size = self.number.size() as u64;
-        let lengths = self.shape.iter().map(|&n| n as u64);
-        lengths.fold(Some(size), |bytes, n| bytes?.checked_mul(n))
+        let mut lengths = self.shape.iter().map(|&n| n as u64);
+        lengths.try_fold(size, u64::checked_mul)
     }
 
     /// The numbers, of `bytes()` bytes, as doubles in C order; two dimensions at most.

@@ -1,0 +1,17 @@
+//! The exact engine: structural rank, choice and relations without a tolerance.
+//!
+//! The recursion runs over two prime fields with independent random states; elimination
+//! in column order gives rank, choice and beta in one pass. A nonzero minor modulo a
+//! prime is nonzero, so that the rank is never overestimated; it is underestimated with
+//! a probability that is computed (Schwartz-Zippel). Both fields must agree.
+
+mod coefficients;
+mod decision;
+mod field;
+mod number;
+mod run;
+
+pub(crate) use decision::structural_rank;
+pub use decision::{ExactDecision, ExactError, decide_exactly};
+pub(crate) use field::in_some_field;
+pub use number::ExactNumber;

@@ -1,0 +1,151 @@
+//! One run of the exact engine in one prime field.
+
+use roberval_linalg::Echelon;
+use roberval_mechanism::{Mechanism, ParameterSpace};
+use roberval_regressor::{AngleOrder, ExactModel, Model, NotInField};
+use roberval_scalar::{Fp, SplitMix64};
+
+use super::field::in_some_field;
+
+/// Samples in a row that must add nothing before the row space counts as complete.
+const SILENT_SAMPLES: usize = 2;
+
+/// What one field says. Columns are the robot's; those of `kept` and of `beta`'s rows
+/// and columns are in the order they were asked for.
+#[derive(Debug, Clone)]
+pub(crate) struct Run {
+    pub p: u64,
+    pub seed: u64,
+    pub samples: usize,
+    /// Columns that are zero (constant, for h) at every sample, ascending.
+    pub no_effect: Vec<usize>,
+    pub kept: Vec<usize>,
+    pub deleted: Vec<usize>,
+    /// Residues of beta.
+    pub beta: Vec<Vec<u64>>,
+    /// Angles that stood for generic ones.
+    pub generic: Vec<String>,
+    /// Degree of a row's entries in the random values.
+    pub degree: usize,
+    /// Residues of the square roots of 2 and 3 that the angles mean.
+    pub sqrt2: u64,
+    pub sqrt3: u64,
+    /// Whether lengths of the description have square roots.
+    pub roots: bool,
+}
+
+/// Analyses the mechanism in a random prime field, keeping the first independent columns
+/// of `order` (a permutation of all columns). Constant angles of finite order are taken
+/// `conjugate` times (1, or a number that has no factor in common with that order): the
+/// answer of a robot whose square roots have other signs.
+pub(crate) fn run(
+    mechanism: &Mechanism,
+    model: Model,
+    order: &[usize],
+    angle_order: AngleOrder,
+    seed: u64,
+    conjugate: u64,
+) -> Result<Run, NotInField> {
+    in_some_field(mechanism, angle_order, seed, conjugate, |exact, random| {
+        eliminate(mechanism, model, order, exact, seed, random)
+    })
+}
+
+fn eliminate<'m>(
+    mechanism: &Mechanism,
+    model: Model,
+    order: &[usize],
+    exact: &ExactModel<'m>,
+    seed: u64,
+    random: &mut SplitMix64,
+) -> Run {
+    let space: ParameterSpace = mechanism.parameters();
+    let modulus = exact.modulus();
+    let zero = modulus.integer(0);
+    let mut rows = Rows {
+        exact,
+        work: exact.workspace(),
+        model,
+        values: vec![zero; model.rows(mechanism.dof()) * space.len()],
+        reference: None,
+    };
+    let mut echelon = Echelon::new(modulus, order.len());
+    let mut seen = vec![false; order.len()];
+    let mut permuted = vec![zero; order.len()];
+    let (mut samples, mut silent) = (0, 0);
+    while silent < SILENT_SAMPLES {
+        let before = echelon.rank();
+        for row in rows.next(random).chunks_exact(order.len()) {
+            for (j, &column) in order.iter().enumerate() {
+                permuted[j] = row[column];
+                seen[column] |= !row[column].is_zero();
+            }
+            echelon.insert(&permuted);
+        }
+        samples += 1;
+        silent = if echelon.rank() == before {
+            silent + 1
+        } else {
+            0
+        };
+    }
+    let kept = echelon.kept();
+    let leads = |j: &usize| kept.binary_search(j).is_ok();
+    let deleted = (0..order.len()).filter(|j| !leads(j) && seen[order[*j]]);
+    let effect: Vec<bool> = (0..order.len())
+        .filter(|j| !leads(j))
+        .map(|j| seen[order[j]])
+        .collect();
+    let beta = echelon
+        .relations()
+        .iter()
+        .map(|row| with_effect(row, &effect))
+        .collect();
+    Run {
+        p: modulus.p(),
+        seed,
+        samples,
+        no_effect: (0..order.len()).filter(|&c| !seen[c]).collect(),
+        deleted: deleted.map(|j| order[j]).collect(),
+        kept: kept.iter().map(|&j| order[j]).collect(),
+        beta,
+        generic: exact.generic().to_vec(),
+        degree: exact.degree(),
+        sqrt2: exact.sqrt2().residue(),
+        sqrt3: exact.sqrt3().residue(),
+        roots: exact.has_roots(),
+    }
+}
+
+fn with_effect(row: &[Fp<'_>], effect: &[bool]) -> Vec<u64> {
+    let pairs = row.iter().zip(effect).filter(|(_, effect)| **effect);
+    pairs.map(|(x, _)| x.residue()).collect()
+}
+
+/// Rows of the model at one random state after another; those of h are differences to
+/// the first state's.
+struct Rows<'a, 'm> {
+    exact: &'a ExactModel<'m>,
+    work: roberval_regressor::ExactWorkspace<'m>,
+    model: Model,
+    values: Vec<Fp<'m>>,
+    reference: Option<Vec<Fp<'m>>>,
+}
+
+impl<'m> Rows<'_, 'm> {
+    fn next(&mut self, random: &mut SplitMix64) -> &[Fp<'m>] {
+        if self.model == Model::H && self.reference.is_none() {
+            self.exact
+                .fill(self.model, random, &mut self.work, &mut self.values);
+            self.reference = Some(self.values.clone());
+        }
+        self.exact
+            .fill(self.model, random, &mut self.work, &mut self.values);
+        if let Some(reference) = &self.reference {
+            for (x, reference) in self.values.iter_mut().zip(reference) {
+                *x = *x - *reference;
+            }
+        }
+        &self.values
+    }
+}

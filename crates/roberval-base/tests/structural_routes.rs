@@ -1,0 +1,141 @@
+//! The structural answer by three routes that share no recursion: rows in prime fields,
+//! the parameter nullspace link by link, and the float staircase.
+//!
+//! `ROBERVAL_LONG_TESTS=1` runs 10,000 generated robots instead of 600.
+
+use roberval_base::{Model, Options, base_parameters, decide_exactly, nullspace_rank};
+use roberval_mechanism::{JointKind, Mechanism, RobotDescription, SourceFormat};
+use roberval_testkit::{Angles, Family, decimal};
+
+fn robots() -> u64 {
+    match std::env::var("ROBERVAL_LONG_TESTS") {
+        Ok(value) if value != "0" => 10_000,
+        _ => 600,
+    }
+}
+
+/// Every combination of format, angles, rotors and gravity in turn; the generator itself
+/// draws along an axis, tilted, or no gravity, and rotors on four joints of five.
+fn generated(seed: u64) -> RobotDescription {
+    let pick = |n: u64, radix: u64| seed / n % radix;
+    let mut robot = Family {
+        format: [SourceFormat::Mdh, SourceFormat::Urdf][pick(1, 2) as usize],
+        angles: [
+            Angles::Right,
+            Angles::Mixed,
+            Angles::Fifteens,
+            Angles::Oblique,
+        ][pick(2, 4) as usize],
+        ..Family::default()
+    }
+    .robot(seed);
+    if pick(8, 4) == 0 {
+        robot.links.iter_mut().for_each(|l| l.rotor = false);
+    }
+    if pick(32, 4) == 0 {
+        robot.gravity = [0, 0, 0].map(|g| decimal(g, 0));
+    }
+    robot
+}
+
+fn mechanism(description: &RobotDescription) -> Mechanism {
+    Mechanism::new(description).expect("a valid robot")
+}
+
+/// The numbers of kept columns of each link.
+fn kept_per_link(robot: &Mechanism, kept: &[usize]) -> Vec<usize> {
+    let mut counts = vec![0; robot.links.len()];
+    for &column in kept {
+        counts[robot.parameters().ids()[column].link] += 1;
+    }
+    counts
+}
+
+/// What disagrees about this robot, if anything does.
+fn disagreement(robot: &Mechanism, seed: u64) -> Option<String> {
+    let all: Vec<usize> = (0..robot.parameters().len()).collect();
+    let exact = decide_exactly(robot, Model::D, &all, seed).expect("in a field");
+    let nullspace = nullspace_rank(robot, !seed).expect("in a field");
+    let options = Options {
+        seed,
+        ..Options::default()
+    };
+    let float = base_parameters(robot, &options).expect("valid");
+    let same = nullspace.kept == exact.kept
+        && nullspace.rank == exact.kept.len()
+        && nullspace.per_link == kept_per_link(robot, &exact.kept)
+        && float.base == exact.kept
+        && float.no_effect == exact.no_effect;
+    (!same).then(|| {
+        format!(
+            "{}: exact {}, nullspace {} ({:?}), float {}; {:?}",
+            robot.name,
+            exact.kept.len(),
+            nullspace.rank,
+            nullspace.per_link,
+            float.rank(),
+            float.diagnosis.messages
+        )
+    })
+}
+
+#[test]
+fn the_puma_has_1_7_8_8_8_8_base_parameters() {
+    let robot = mechanism(&roberval_formats::load("puma560").expect("in the catalogue"));
+    let answer = nullspace_rank(&robot, 0).expect("in a field");
+    assert_eq!(answer.per_link, [1, 7, 8, 8, 8, 8]);
+    assert_eq!(answer.rank, 40);
+}
+
+#[test]
+fn three_routes_agree_on_the_catalogue() {
+    for entry in roberval_formats::catalogue() {
+        let robot = mechanism(&roberval_formats::load(entry.name).expect("in the catalogue"));
+        assert_eq!(disagreement(&robot, 1), None, "{}", entry.name);
+    }
+}
+
+#[test]
+fn three_routes_agree_on_generated_robots() {
+    let count = robots();
+    let wrong: Vec<String> = (0..count)
+        .filter_map(|seed| disagreement(&mechanism(&generated(seed)), seed))
+        .collect();
+    eprintln!("{count} generated robots, {} disagreements", wrong.len());
+    assert!(wrong.is_empty(), "{:#?}", &wrong[..wrong.len().min(10)]);
+}
+
+/// On an antecedent that moves freely, a revolute link hides XX + YY, MZ and M (z being
+/// its axis) and a prismatic one its six moments of inertia; on another, more is hidden.
+#[test]
+fn no_link_contributes_more_than_on_an_antecedent_that_moves_freely() {
+    let mut most = [0, 0];
+    for seed in 0..300 {
+        let robot = mechanism(&generated(seed));
+        let answer = nullspace_rank(&robot, seed).expect("in a field");
+        for (link, &count) in robot.links.iter().zip(&answer.per_link) {
+            let (kind, hidden) = match link.joint {
+                JointKind::Revolute => (0, 3),
+                JointKind::Prismatic => (1, 6),
+                JointKind::Fixed => {
+                    assert_eq!(count, 0);
+                    continue;
+                }
+            };
+            let columns = if link.rotor { 11 } else { 10 };
+            assert!((1..=columns - hidden).contains(&count), "robot {seed}");
+            most[kind] = most[kind].max(count);
+        }
+    }
+    assert_eq!(most, [8, 5], "the bound is reached");
+}
+
+#[test]
+fn the_field_does_not_matter() {
+    for seed in 0..100 {
+        let robot = mechanism(&generated(seed));
+        let [one, other] = [1, 2].map(|s| nullspace_rank(&robot, s).expect("in a field"));
+        assert_ne!(one.prime, other.prime);
+        assert_eq!(one.kept, other.kept);
+    }
+}

@@ -1,0 +1,259 @@
+//! Constant angles as points of the circle group of a prime field.
+
+use std::collections::HashMap;
+
+use num_bigint::BigInt;
+use num_integer::Integer;
+use num_rational::BigRational;
+use num_traits::{One, Signed, ToPrimitive, Zero};
+use roberval_mechanism::{Geometry, RobotDescription};
+use roberval_scalar::{Fp, LinearInPi, Modulus, Quantity, SplitMix64};
+
+/// Rotations of this order are always there: multiples of 3 degrees, and with them the
+/// square roots of 2, 3 and 5.
+const USUAL_ORDER: u64 = 120;
+
+/// Orders up to this leave primes enough below 2^62 to choose from.
+const LARGEST_ORDER: u64 = 1 << 40;
+
+/// Cosine and sine.
+pub(crate) type Rotation<T> = (T, T);
+
+/// The order n of the rotation whose powers are the robot's rational angles: primes must
+/// be -1 modulo n.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AngleOrder {
+    order: u64,
+    /// The least order that the description's own angles need.
+    needed: u64,
+}
+
+impl AngleOrder {
+    /// The least order that holds the description's rational multiples of pi (of those
+    /// with unwieldy denominators, as many as fit).
+    #[must_use]
+    pub fn of(robot: &RobotDescription) -> Self {
+        let (mut order, mut needed) = (USUAL_ORDER, 1);
+        for angle in angles(robot) {
+            let Some(turns) = LinearInPi::of(&angle.expr, &robot.constants) else {
+                continue;
+            };
+            let turns = turns.half_turns / BigInt::from(2);
+            if let Some(denominator) = turns.denom().to_u64() {
+                let both = u128::from(order).lcm(&u128::from(denominator));
+                if both <= u128::from(LARGEST_ORDER) {
+                    order = both as u64;
+                    needed = needed.lcm(&denominator);
+                }
+            }
+        }
+        Self { order, needed }
+    }
+
+    /// n
+    #[must_use]
+    pub fn get(self) -> u64 {
+        self.order
+    }
+
+    /// Whether all rational angles are multiples of 90 degrees, so that their cosines
+    /// and sines are whole.
+    #[must_use]
+    pub fn right(self) -> bool {
+        4_u64.is_multiple_of(self.needed)
+    }
+
+    /// Whether all rational angles are multiples of 15 degrees, so that their cosines
+    /// and sines are sums of fractions of 1, sqrt(2), sqrt(3) and sqrt(6).
+    #[must_use]
+    pub fn twelfths(self) -> bool {
+        24_u64.is_multiple_of(self.needed)
+    }
+}
+
+fn angles(robot: &RobotDescription) -> impl Iterator<Item = &Quantity> {
+    robot.links.iter().flat_map(|link| match &link.geometry {
+        Geometry::Mdh(g) => vec![&g.gamma, &g.alpha, &g.theta],
+        Geometry::Placed { origins, .. } => origins.iter().flat_map(|o| &o.rpy).collect(),
+    })
+}
+
+/// A point of the circle from `t = tan(angle/2)`; `None` where `1 + t^2 = 0`.
+pub(crate) fn circle_point<'m>(t: Fp<'m>) -> Option<Rotation<Fp<'m>>> {
+    let one = t.modulus().integer(1);
+    let inverse = (one + t * t).inverse()?;
+    Some(((one - t * t) * inverse, (t + t) * inverse))
+}
+
+/// The rotation by the sum of two angles.
+pub(crate) fn compose<'m>(a: Rotation<Fp<'m>>, b: Rotation<Fp<'m>>) -> Rotation<Fp<'m>> {
+    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
+}
+
+pub(crate) fn power<'m>(mut a: Rotation<Fp<'m>>, mut exponent: u64) -> Rotation<Fp<'m>> {
+    let modulus = a.0.modulus();
+    let mut result = (modulus.integer(1), modulus.integer(0));
+    while exponent > 0 {
+        if exponent & 1 == 1 {
+            result = compose(result, a);
+        }
+        a = compose(a, a);
+        exponent >>= 1;
+    }
+    result
+}
+
+/// The angles of one robot in one field.
+pub(crate) struct Angles<'m> {
+    modulus: &'m Modulus,
+    order: u64,
+    /// A rotation of exactly that order.
+    root: Rotation<Fp<'m>>,
+    /// A random rotation for each angle that has no exact one, by its size.
+    generic: HashMap<GenericAngle, Rotation<Fp<'m>>>,
+    random: SplitMix64,
+    /// The texts of the angles that have no exact rotation.
+    pub generic_texts: Vec<String>,
+    /// How many constant rotations are by such angles.
+    pub generic_rotations: usize,
+}
+
+/// What two literals must share to be the same generic angle.
+#[derive(PartialEq, Eq, Hash)]
+enum GenericAngle {
+    /// A number of radians, and a multiple of pi with an unwieldy denominator.
+    Exact(BigRational, BigRational),
+    /// The bits of the value, where the expression has no simpler form.
+    Value(u64),
+}
+
+impl<'m> Angles<'m> {
+    /// `modulus` must be -1 modulo `order`.
+    pub fn new(
+        modulus: &'m Modulus,
+        order: AngleOrder,
+        conjugate: u64,
+        mut random: SplitMix64,
+    ) -> Self {
+        let root = power(root_of_order(modulus, order.order, &mut random), conjugate);
+        Self {
+            modulus,
+            order: order.order,
+            root,
+            generic: HashMap::new(),
+            random,
+            generic_texts: Vec::new(),
+            generic_rotations: 0,
+        }
+    }
+
+    /// The square roots of 2 and 3: twice the cosines of 45 and 30 degrees.
+    pub fn roots(&self) -> [Fp<'m>; 2] {
+        [8, 12].map(|part| self.modulus.integer(2) * self.turn(self.order / part).0)
+    }
+
+    /// The order n of the finite rotations.
+    pub fn order(&self) -> u64 {
+        self.order
+    }
+
+    /// The rotation by `k / order` of a turn.
+    pub fn turn(&self, k: u64) -> Rotation<Fp<'m>> {
+        power(self.root, k % self.order)
+    }
+
+    /// The rotation by an angle of the description.
+    pub fn rotation(
+        &mut self,
+        angle: &Quantity,
+        constants: &[(String, Quantity)],
+    ) -> Rotation<Fp<'m>> {
+        let Some(exact) = LinearInPi::of(&angle.expr, constants) else {
+            let size = GenericAngle::Value(angle.value.abs().to_bits());
+            return self.generic(size, angle.value < 0.0, angle);
+        };
+        let steps = &exact.half_turns * BigInt::from(self.order) / BigInt::from(2);
+        let whole = steps.is_integer();
+        let by_pi = if whole {
+            let steps = steps.to_integer().mod_floor(&BigInt::from(self.order));
+            self.turn(steps.to_u64().unwrap_or(0))
+        } else {
+            (self.modulus.integer(1), self.modulus.integer(0))
+        };
+        let rest = if whole {
+            BigRational::zero()
+        } else {
+            exact.half_turns
+        };
+        if exact.rational.is_zero() && rest.is_zero() {
+            return by_pi;
+        }
+        // Mirrored so that an angle and its negative are one literal.
+        let negative =
+            exact.rational.is_negative() || (exact.rational.is_zero() && rest.is_negative());
+        let sign = if negative {
+            -BigRational::one()
+        } else {
+            BigRational::one()
+        };
+        let size = GenericAngle::Exact(exact.rational * &sign, rest * &sign);
+        compose(by_pi, self.generic(size, negative, angle))
+    }
+
+    fn generic(
+        &mut self,
+        size: GenericAngle,
+        negative: bool,
+        angle: &Quantity,
+    ) -> Rotation<Fp<'m>> {
+        self.generic_rotations += 1;
+        let (modulus, random) = (self.modulus, &mut self.random);
+        let texts = &mut self.generic_texts;
+        let (cos, sin) = *self.generic.entry(size).or_insert_with(|| {
+            texts.push(angle.text.clone());
+            random_point(modulus, random)
+        });
+        (cos, if negative { -sin } else { sin })
+    }
+}
+
+fn random_point<'m>(modulus: &'m Modulus, random: &mut SplitMix64) -> Rotation<Fp<'m>> {
+    loop {
+        if let Some(point) = circle_point(modulus.random(random)) {
+            return point;
+        }
+    }
+}
+
+/// A rotation whose least power that is the identity is the n-th (n a multiple of 4) and
+/// whose n/4-th power is the quarter turn (0, 1): not its mirror image (0, -1).
+fn root_of_order<'m>(modulus: &'m Modulus, n: u64, random: &mut SplitMix64) -> Rotation<Fp<'m>> {
+    let identity = (modulus.integer(1), modulus.integer(0));
+    let divisors: Vec<u64> = prime_factors(n);
+    loop {
+        let root = power(random_point(modulus, random), (modulus.p() + 1) / n);
+        if divisors.iter().all(|q| power(root, n / q) != identity) {
+            let mirrored = power(root, n / 4).1 != modulus.integer(1);
+            return (root.0, if mirrored { -root.1 } else { root.1 });
+        }
+    }
+}
+
+/// The primes that divide n, by trial division (n is at most 2^40).
+pub(crate) fn prime_factors(mut n: u64) -> Vec<u64> {
+    let mut factors = Vec::new();
+    let mut q = 2;
+    while q * q <= n {
+        if n.is_multiple_of(q) {
+            factors.push(q);
+            while n.is_multiple_of(q) {
+                n /= q;
+            }
+        }
+        q += 1;
+    }
+    if n > 1 {
+        factors.push(n);
+    }
+    factors
+}
