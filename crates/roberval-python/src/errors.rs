@@ -85,12 +85,13 @@ impl IntoPython for BaseError {
     fn into_python(self, py: Python<'_>) -> PyErr {
         let class = match self {
             Self::Regressor(error) => return error.into_python(py),
+            Self::Mechanism(error) => return error.into_python(py),
             Self::UnknownParameter { .. } => "UnknownParameterError",
             Self::KeptAndDropped { .. } | Self::TooFewRows { .. } | Self::TooManyRows { .. } => {
                 "OptionError"
             }
             Self::Length { .. } => "ShapeError",
-            Self::Stopped { .. } | Self::Linalg(_) => "NumericalError",
+            Self::Stopped { .. } | Self::Exact(_) | Self::Linalg(_) => "NumericalError",
         };
         raise(py, class, &self.to_string())
     }
