@@ -9,6 +9,7 @@ mod coefficients;
 mod decision;
 mod field;
 mod number;
+mod rounded;
 mod run;
 
 pub(crate) use decision::structural_rank;
