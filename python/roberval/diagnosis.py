@@ -87,8 +87,8 @@ class Diagnosis:
     clear : bool
         Whether there is no doubt.
     spectrum : ndarray
-        What a float rank is decided on: |T_ii| (qrii), sigma_i (svd), or what the kept columns
-        before leave of each column, relative to its norm (qr; the exact engine shows it too).
+        What a float rank is decided on: |T_ii| (qrii; the exact engine shows it too), sigma_i
+        (svd), or what the kept columns before leave of each column, relative to its norm (qr).
     spectrum_labels : tuple of str
         The parameters of the spectrum's entries; empty where they belong to none.
     tolerance : float
