@@ -6,7 +6,7 @@ use roberval_base::{self as base, BaseParameters, Blame, ExactNumber};
 
 use roberval_tables as tables;
 
-use crate::errors::detached;
+use crate::calls::detached;
 use crate::options::rendering;
 use crate::scaling::matrix;
 use crate::states::vector;

@@ -1,5 +1,7 @@
 //! A robot: its description and its regressor.
 
+use std::sync::Arc;
+
 use numpy::{PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use roberval_base::{base_parameters, base_parameters_at, compare};
@@ -9,7 +11,8 @@ use roberval_regressor::Regressor;
 use roberval_tables as tables;
 
 use crate::answer::{Answer, Comparison};
-use crate::errors::{IntoPython, detached};
+use crate::calls::{detached, interruptible};
+use crate::errors::IntoPython;
 use crate::options::{self, OptionArguments, Reading, rendering};
 use crate::scaling::{self, Scaling, ScalingArguments};
 use crate::states::{OwnedStates, vector};
@@ -19,7 +22,8 @@ use crate::states::{OwnedStates, vector};
 pub struct Robot {
     /// A URDF's text, for pickling; robot TOML can be written anew.
     urdf: Option<String>,
-    mechanism: Mechanism,
+    /// Shared with the threads of long calls.
+    mechanism: Arc<Mechanism>,
     regressor: Regressor,
 }
 
@@ -244,14 +248,15 @@ impl Robot {
         qdd: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Answer> {
         let options = options.check(py)?;
+        let mechanism = Arc::clone(&self.mechanism);
         let answer = match (q, qd, qdd) {
             (Some(q), Some(qd), Some(qdd)) => {
                 let samples = OwnedStates::copy(&q, &qd, &qdd)?.into_samples();
-                detached(py, || {
-                    base_parameters_at(&self.mechanism, &options, &samples)
+                interruptible(py, move || {
+                    base_parameters_at(&mechanism, &options, &samples)
                 })?
             }
-            _ => detached(py, || base_parameters(&self.mechanism, &options))?,
+            _ => interruptible(py, move || base_parameters(&mechanism, &options))?,
         };
         Ok(Answer::new(answer))
     }
@@ -264,13 +269,9 @@ impl Robot {
     /// All models by all engines.
     fn compare(&self, py: Python<'_>, options: OptionArguments) -> PyResult<Comparison> {
         let options = options.check(py)?;
-        detached(py, || {
-            compare(
-                &self.mechanism,
-                &options.choice,
-                options.tolerance,
-                options.seed,
-            )
+        let mechanism = Arc::clone(&self.mechanism);
+        interruptible(py, move || {
+            compare(&mechanism, &options.choice, options.tolerance, options.seed)
         })
         .map(Comparison::new)
     }
@@ -287,7 +288,7 @@ impl Robot {
         Ok(Self {
             urdf,
             regressor: Regressor::new(&mechanism),
-            mechanism,
+            mechanism: Arc::new(mechanism),
         })
     }
 
