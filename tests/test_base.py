@@ -91,7 +91,7 @@ def test_values_take_arrays_dicts_and_series(base: rv.BaseParameters) -> None:
     assert base.values({"YY_6": 1.0})[base.base.index("XX_6")] == pytest.approx(-1, abs=ROUNDING)
 
 
-@pytest.mark.parametrize("engine", ["qr", "qrii", "svd"])
+@pytest.mark.parametrize("engine", ["exact", "qr", "qrii", "svd"])
 @pytest.mark.parametrize("seed", [1, 2**64 - 1])
 def test_the_answer_does_not_depend_on_the_seed(
     base: rv.BaseParameters, engine: rv.Engine, seed: int
@@ -129,7 +129,7 @@ def test_pivoted_columns_are_another_base_of_the_same_space(base: rv.BaseParamet
     )
 
 
-@pytest.mark.parametrize("engine", ["qr", "qrii", "svd"])
+@pytest.mark.parametrize("engine", ["exact", "qr", "qrii", "svd"])
 def test_the_diagnosis_shows_the_gap(puma: rv.Robot, engine: rv.Engine) -> None:
     diagnosis = puma.base_parameters(engine=engine).diagnosis
     assert diagnosis.clear
@@ -141,24 +141,84 @@ def test_the_diagnosis_shows_the_gap(puma: rv.Robot, engine: rv.Engine) -> None:
     assert len(diagnosis.spectrum_labels) in (0, len(diagnosis.spectrum))
 
 
-def test_doubt_is_a_warning_not_an_answer() -> None:
-    rows = [(0, 0, 0, 0), ("1.5708", 0, 0, 0.1), ("-1.5708", 0.4, 0, 0), ("1.5708", 0, 0, 0.2)]
-    robot = rv.Robot.from_mdh(rows, name="rounded")
-    with pytest.warns(rv.DoubtfulRankWarning, match="rounded: .*1\\.5708 for pi/2"):
+ROUNDED = [(0, 0, 0, 0), ("1.5708", 0, 0, 0.1), ("-1.5708", 0.4, 0, 0), ("1.5708", 0, 0, 0.2)]
+EXACT = [(0, 0, 0, 0), ("pi/2", 0, 0, 0.1), ("-pi/2", 0.4, 0, 0), ("pi/2", 0, 0, 0.2)]
+
+
+def test_rounded_angles_are_set_right_and_told() -> None:
+    robot = rv.Robot.from_mdh(ROUNDED, name="rounded")
+    assert any("link 2 alpha = 1.5708 is 3.7e-6 rad from pi/2" in text for text in robot.changes)
+    with pytest.warns(rv.RobotWarning, match="rounded: as written the file has 25 base param"):
         base = robot.base_parameters()
+    exact = rv.Robot.from_mdh(EXACT).base_parameters()
+    assert base.base == exact.base
+    assert base.beta_exact == exact.beta_exact
+    literal = base.diagnosis.literal
+    assert literal is not None
+    assert literal.rank == 25
+    assert "1.5708" in literal.blame[0].what
+    assert "1.5708" in robot.to_toml()
+    assert "pi/2" in robot.to_toml(cleaned=True)
+
+
+def test_a_robot_taken_as_written_is_another_robot() -> None:
+    written = rv.Robot.from_mdh(ROUNDED, snap="off")
+    assert written.changes == ()
+    assert written != rv.Robot.from_mdh(ROUNDED)
+    assert written.base_parameters().rank == 25
+    assert pickle.loads(pickle.dumps(written)) == written
+
+
+def test_doubt_is_a_warning_not_an_answer() -> None:
+    robot = rv.Robot.from_mdh(ROUNDED, name="rounded", snap="off")
+    with pytest.warns(rv.DoubtfulRankWarning, match="rounded: .*1\\.5708 for pi/2"):
+        base = robot.base_parameters(engine="qr")
     assert not base.diagnosis.clear
     assert "doubtful" in repr(base)
     assert not robot.compare().agree
+
+
+def test_numbers_that_look_rounded_are_shown_and_left() -> None:
+    rows = [(0, 0, 0, 0), ("1.57", 0, 0, 0.1), ("pi/2", 0.4, 0, 0)]
+    robot = rv.Robot.from_mdh(rows)
+    assert robot.changes == ()
+    assert "1.57 is 8.0e-4 rad from pi/2" in robot.near_misses[0]
+    assert rv.Robot.from_mdh(rows, snap="aggressive").changes
+
+
+def test_the_exact_engine_says_how_it_decided(base: rv.BaseParameters) -> None:
+    structure = base.diagnosis.structure
+    assert structure is not None
+    assert structure.rank == 40
+    assert len(structure.primes) >= 2
+    assert 0 < structure.failure_probability < 1e-15
+    assert structure.generic == ()
+    assert {witness.rank for witness in base.diagnosis.witnesses} == {40}
+    assert base.robot.base_parameters(engine="qr").diagnosis.structure is None
+
+
+def test_coefficients_without_rounding_may_hold_roots() -> None:
+    rows = [(0, 0, 0, 0), ("30 deg", 0, 0, 0.5), ("-pi/4", 0.4, 0, 0.1)]
+    base = rv.Robot.from_mdh(rows).base_parameters()
+    assert base.beta_exact is not None
+    numbers = [number for row in base.beta_exact.values() for number in row.values()]
+    surds = [number for number in numbers if isinstance(number, rv.Surd)]
+    assert surds
+    assert "sqrt(" in str(surds[0])
+    for kept, row in base.beta_exact.items():
+        for regrouped, number in row.items():
+            assert float(number) == pytest.approx(base.relations[kept][regrouped], rel=ROUNDING)
+    assert base.robot.base_parameters(engine="svd").beta_exact is None
 
 
 def test_comparisons_tell_who_agrees(puma: rv.Robot) -> None:
     comparison = puma.compare(seed=3)
     assert comparison.agree
     routes = {(route.answer.model, route.answer.engine) for route in comparison.routes}
-    assert len(routes) == 9
+    assert len(routes) == 12
     assert all(route.same_columns for route in comparison.routes)
     assert max(route.beta_difference for route in comparison.routes) < ROUNDING
-    assert repr(comparison) == "Comparison(9 routes agree: 40 base parameters)"
+    assert repr(comparison) == "Comparison(12 routes agree: 40 base parameters)"
 
 
 def test_results_can_be_pickled_and_copied(base: rv.BaseParameters) -> None:
@@ -173,7 +233,7 @@ def test_results_can_be_pickled_and_copied(base: rv.BaseParameters) -> None:
 
 BAD_OPTIONS: dict[str, tuple[dict[str, Any], type[Exception], str]] = {
     "model": ({"model": "x"}, rv.OptionError, 'model is "x", expected one of "d", "d0", "h"'),
-    "engine": ({"engine": "lu"}, rv.OptionError, 'engine is "lu", expected one of "qr"'),
+    "engine": ({"engine": "lu"}, rv.OptionError, 'engine is "lu", expected one of "exact"'),
     "choice": ({"choice": "best"}, rv.OptionError, 'choice is "best", expected one of "paper"'),
     "unknown label": (
         {"keep": ["ZZ1"]},

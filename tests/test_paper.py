@@ -17,7 +17,7 @@ BETA_ERROR = 1e-12
 """The issue's bound; rounding leaves about 5e-14 on entries up to 1.2."""
 
 MODELS: tuple[rv.Model, ...] = ("d", "d0", "h")
-ENGINES: tuple[rv.Engine, ...] = ("qr", "qrii", "svd")
+ENGINES: tuple[rv.Engine, ...] = ("exact", "qr", "qrii", "svd")
 
 
 @pytest.fixture(scope="module")
@@ -52,6 +52,17 @@ def test_beta_is_the_exact_fractions(puma: rv.Robot, expected: Any, engine: rv.E
             exact[base.base.index(kept), base.regrouped.index(deleted)] = Fraction(value)
     assert np.abs(base.beta - exact).max() < BETA_ERROR
     assert ((base.beta == 0) == (exact == 0)).all(), "a zero is exactly zero"
+
+
+def test_beta_comes_without_rounding_too(base: rv.BaseParameters, expected: Any) -> None:
+    exact = {
+        kept: {deleted: Fraction(value) for deleted, value in row.items()}
+        for kept, row in expected["beta"].items()
+    }
+    assert base.beta_exact == exact
+    for kept, row in exact.items():
+        for deleted, value in row.items():
+            assert base.relations[kept][deleted] == float(value), "correctly rounded"
 
 
 def test_values_are_table_iii(puma: rv.Robot, base: rv.BaseParameters) -> None:

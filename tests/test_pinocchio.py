@@ -51,7 +51,7 @@ class Pair:
         path = robot_file(ROBOTS[name])
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", rv.RobotWarning)
-            self.robot = rv.load(path)
+            self.robot = rv.load(path, snap="off")  # Pinocchio takes 1.5708 literally
         self.model = pin.buildModelFromUrdf(str(path))
         self.data = self.model.createData()
         joints = [j.joint_name or j.name for j in self.robot.links]

@@ -96,7 +96,7 @@ def test_power_is_the_derivative_of_energy(robot: rv.Robot) -> None:
     assert np.abs(power - expected).max() <= 1e-6 * max(np.abs(expected).max(), 1)
 
 
-@given(robots(), st.sampled_from(["d", "d0", "h"]), st.sampled_from(["qr", "qrii", "svd"]))
+@given(robots(), st.sampled_from(["d", "d0", "h"]), st.sampled_from(["exact", "qr", "qrii", "svd"]))
 @settings(max_examples=100, deadline=None)
 def test_the_base_parameters_span_the_model(
     robot: rv.Robot, model: rv.Model, engine: rv.Engine

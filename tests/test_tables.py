@@ -125,7 +125,7 @@ def test_a_missing_pandas_is_named(
 def test_notebooks_show_the_answer(puma: rv.Robot, base: rv.BaseParameters) -> None:
     assert "40 base" in Tags(base._repr_html_()).words
     assert "XXR_6 = XX_6 - YY_6" in Tags(base._repr_html_()).words
-    assert "9 routes agree" in Tags(puma.compare()._repr_html_()).words
+    assert "12 routes agree" in Tags(puma.compare()._repr_html_()).words
     assert "PUMA 560" in Tags(puma._repr_html_()).words
 
 

@@ -99,22 +99,41 @@ def test_a_forked_child_computes(puma: rv.Robot) -> None:
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 40
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT to send")
-def test_ctrl_c_stops_a_long_call() -> None:
-    script = """
-        import numpy as np, roberval as rv
-        robot = rv.load("puma560")
+LONG_CALLS = {
+    "many short calls": """
         q = np.zeros((1_000, 6))
         out = np.empty((1_000, 6, 66))
-        try:
-            print("ready", flush=True)
-            while True:  # each call is short, but none may swallow the signal
-                robot.regressor(q, q, q, out=out)
-        except KeyboardInterrupt:
-            print("interrupted", flush=True)
-    """
-    command = [sys.executable, "-c", textwrap.dedent(script)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        robot = rv.load("puma560")
+        ready()
+        while True:
+            robot.regressor(q, q, q, out=out)
+    """,
+    "one of minutes": """
+        rows = [(twist, 0.1, 0, 0.2) for twist in ("pi/2", "-pi/2") * 75]
+        robot = rv.Robot.from_mdh(rows)
+        ready()
+        robot.compare()
+    """,
+}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT to send")
+@pytest.mark.parametrize("name", LONG_CALLS)
+def test_ctrl_c_stops_a_long_call(name: str) -> None:
+    script = f"""
+import numpy as np, roberval as rv
+
+def ready():
+    print("ready", flush=True)
+
+try:
+{textwrap.indent(textwrap.dedent(LONG_CALLS[name]), "    ")}
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+    with subprocess.Popen(
+        [sys.executable, "-c", script], stdout=subprocess.PIPE, text=True
+    ) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == "ready\n"
         process.send_signal(signal.SIGINT)

@@ -8,7 +8,8 @@
 """
 
 from ._core import __version__
-from .base import BaseParameters, Comparison, Diagnosis, Relations, Route
+from .base import BaseParameters, Comparison, Relations, Route
+from .diagnosis import Blame, Diagnosis, Literal, Structure, Witness
 from .errors import (
     ArrayError,
     DoubtfulRankWarning,
@@ -22,25 +23,30 @@ from .errors import (
     ShapeError,
     UnknownParameterError,
 )
+from .exact import Exact, Surd
 from .loading import CatalogueEntry, catalogue, load
-from .options import Choice, Engine, Model
+from .options import Choice, Engine, Model, Number, Snap
 from .robot import Link, Robot
 from .scaling import Grade, Scaling
 
 __all__ = [
     "ArrayError",
     "BaseParameters",
+    "Blame",
     "CatalogueEntry",
     "Choice",
     "Comparison",
     "Diagnosis",
     "DoubtfulRankWarning",
     "Engine",
+    "Exact",
     "Grade",
     "InternalError",
     "Link",
+    "Literal",
     "MissingPackageError",
     "Model",
+    "Number",
     "NumericalError",
     "OptionError",
     "Relations",
@@ -51,7 +57,11 @@ __all__ = [
     "Route",
     "Scaling",
     "ShapeError",
+    "Snap",
+    "Structure",
+    "Surd",
     "UnknownParameterError",
+    "Witness",
     "__version__",
     "catalogue",
     "load",

@@ -13,7 +13,9 @@ import numpy.typing as npt
 
 from . import _core, arrays, rendering
 from .arrays import Array
-from .errors import DoubtfulRankWarning, MissingPackageError
+from .diagnosis import Diagnosis
+from .errors import DoubtfulRankWarning, MissingPackageError, RobotWarning
+from .exact import Exact, coefficient
 from .options import Options
 from .rendering import Rendered
 
@@ -21,38 +23,6 @@ if TYPE_CHECKING:
     import pandas
 
     from .robot import Robot
-
-
-@dataclass(frozen=True, eq=False)
-class Diagnosis:
-    """How sure the rank is.
-
-    Attributes
-    ----------
-    clear : bool
-        Whether there is no doubt.
-    spectrum : ndarray
-        What the rank was decided on: |T_ii| (qrii), sigma_i (svd), or for qr what the kept
-        columns before leave of each column, relative to its norm.
-    spectrum_labels : tuple of str
-        The parameters of the spectrum's entries; empty where they belong to none.
-    tolerance : float
-        Entries of the spectrum at or below it count as zero.
-    gap : float or None
-        Smallest kept over largest dropped entry; None if nothing was kept or dropped.
-    residual : float
-        Largest miss of the relations at samples that decided nothing, relative.
-    messages : tuple of str
-        What the user should know.
-    """
-
-    clear: bool
-    spectrum: Array
-    spectrum_labels: tuple[str, ...]
-    tolerance: float
-    gap: float | None
-    residual: float
-    messages: tuple[str, ...]
 
 
 CLASSES = {
@@ -137,10 +107,17 @@ class BaseParameters(Rendered):
         answer._beta.flags.writeable = False
         return answer
 
-    def _warn_of_doubt(self) -> None:
+    def _warn(self) -> None:
+        """Warn of doubt, and of a file that as written has another number."""
+        literal = self._inner.literal
         if not self._inner.clear:
-            text = f"{self._robot.name}: {'; '.join(self._inner.messages)}"
-            warnings.warn(text, DoubtfulRankWarning, stacklevel=3)
+            category: type[Warning] = DoubtfulRankWarning
+        elif literal is not None and literal[0] != self.rank:
+            category = RobotWarning
+        else:
+            return
+        text = "; ".join(self._inner.messages)
+        warnings.warn(f"{self._robot.name}: {text}", category, stacklevel=3)
 
     def _labels(self, columns: list[int]) -> tuple[str, ...]:
         labels = self._robot.parameters
@@ -217,6 +194,25 @@ class BaseParameters(Rendered):
         return self._beta
 
     @property
+    def beta_exact(self) -> dict[str, dict[str, Exact]] | None:
+        """The nonzero entries of beta without rounding: base label -> {regrouped label: number}.
+
+        Fractions where the geometry is rational; sums with square roots; floats, correctly
+        rounded, where there is no such form. None from the float engines.
+        """
+        rows = self._inner.beta_exact
+        if rows is None:
+            return None
+        regrouped = self.regrouped
+        beta = {}
+        for label, row in zip(self.base, rows, strict=True):
+            numbers = zip(regrouped, map(coefficient, row), strict=True)
+            terms = {other: number for other, number in numbers if number != 0}
+            if terms:
+                beta[label] = terms
+        return beta
+
+    @property
     def relations(self) -> Relations:
         """Each base parameter as a sum: label -> {label: coefficient}, itself included."""
         regrouped = self.regrouped
@@ -238,17 +234,7 @@ class BaseParameters(Rendered):
     @property
     def diagnosis(self) -> Diagnosis:
         """How sure the rank is."""
-        spectrum = self._inner.spectrum()
-        spectrum.flags.writeable = False
-        return Diagnosis(
-            clear=self._inner.clear,
-            spectrum=spectrum,
-            spectrum_labels=self._labels(self._inner.spectrum_columns),
-            tolerance=self._inner.tolerance,
-            gap=self._inner.gap,
-            residual=self._inner.residual,
-            messages=tuple(self._inner.messages),
-        )
+        return Diagnosis._of(self._inner, self._robot.parameters)
 
     def values(self, X: npt.ArrayLike | Mapping[str, float] | None = None) -> Array:
         """Return the base parameters of standard ones: XB1 = X1 + beta X2 (Gautier 1991, eq. (20)).

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from . import _core
+from .options import Number, Snap, reading
 from .robot import Robot
 
 
@@ -27,7 +29,13 @@ class CatalogueEntry(NamedTuple):
     source: str
 
 
-def load(path_or_name: str | os.PathLike[str], *, keep_fixed: bool = False) -> Robot:
+def load(
+    path_or_name: str | os.PathLike[str],
+    *,
+    keep_fixed: bool = False,
+    snap: Snap = "default",
+    gravity: Sequence[Number] | None = None,
+) -> Robot:
     """Load a robot: a built-in one by its name, or a robot TOML or URDF file.
 
     Parameters
@@ -37,6 +45,11 @@ def load(path_or_name: str | os.PathLike[str], *, keep_fixed: bool = False) -> R
     keep_fixed : bool
         For URDF: keep links on fixed joints as links of their own. By default they are
         lumped into their parents.
+    snap : {"default", "off", "aggressive"}
+        Set right what the file rounded (1.5708 is pi/2) and take dust (1e-17 m) for zero;
+        or take the file as written; or set right 1.57 and 3.14 too. See `Robot.changes`.
+    gravity : 3 numbers
+        Acceleration of gravity in the base frame, m/s^2, instead of the file's.
 
     Returns
     -------
@@ -54,7 +67,8 @@ def load(path_or_name: str | os.PathLike[str], *, keep_fixed: bool = False) -> R
     >>> rv.load("puma560")
     Robot('PUMA 560', 6 revolute joints, 66 parameters)
     """
-    return Robot._of(_core.Robot.load(os.fspath(path_or_name), keep_fixed))
+    asked = reading(keep_fixed=keep_fixed, snap=snap, gravity=gravity)
+    return Robot._of(_core.Robot.load(os.fspath(path_or_name), asked), asked)
 
 
 def catalogue() -> tuple[CatalogueEntry, ...]:

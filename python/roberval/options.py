@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from decimal import Decimal
+from fractions import Fraction
 from typing import Any, Literal, SupportsIndex, TypeAlias, TypedDict
 
 from .errors import OptionError
@@ -11,11 +13,39 @@ from .errors import OptionError
 Model: TypeAlias = Literal["d", "d0", "h"]
 """Dynamic model, dynamic model at rest, energy model."""
 
-Engine: TypeAlias = Literal["qr", "qrii", "svd"]
+Engine: TypeAlias = Literal["exact", "qr", "qrii", "svd"]
 """Route to rank, choice and relations."""
 
 Choice: TypeAlias = Literal["paper", "pivoted", "prefer"]
 """Rule by which the kept parameters are chosen."""
+
+
+Snap: TypeAlias = Literal["default", "off", "aggressive"]
+"""Whether rounded angles and dust of a robot file are set right."""
+
+Number: TypeAlias = float | str | Decimal | Fraction
+"""A number of a robot description; as text, Decimal or Fraction it is exact."""
+
+
+class Reading(TypedDict):
+    """How a robot file is read."""
+
+    keep_fixed: bool
+    snap: str
+    gravity: list[str] | None
+
+
+def reading(
+    *, snap: str, keep_fixed: bool = False, gravity: Sequence[Number] | None = None
+) -> Reading:
+    """Return how a robot file is read, as the core takes it."""
+    if gravity is not None and (isinstance(gravity, str) or len(gravity) != 3):
+        raise OptionError(f"gravity is {gravity!r}, expected three numbers in m/s^2")
+    return {
+        "keep_fixed": bool(keep_fixed),
+        "snap": text("snap", snap),
+        "gravity": None if gravity is None else [str(component) for component in gravity],
+    }
 
 
 class Options(TypedDict):

@@ -14,7 +14,7 @@ from . import _core, arrays, mdh, rendering
 from .arrays import Array
 from .base import BaseParameters, Comparison, analyse
 from .errors import OptionError, RobervalError, RobotWarning, ShapeError
-from .options import Choice, Engine, Model, options
+from .options import Choice, Engine, Model, Number, Reading, Snap, options, reading
 from .rendering import Rendered
 from .scaling import Scaling, scaling_options
 
@@ -61,9 +61,10 @@ class Robot(Rendered):
         Ia                 kg m^2 (prismatic: kg), rotor inertia seen from the joint's side
     """
 
-    __slots__ = ("_labels", "_links")
+    __slots__ = ("_labels", "_links", "_reading")
 
     _inner: _core.Robot
+    _reading: Reading
     _labels: tuple[str, ...]
     _links: tuple[Link, ...]
 
@@ -71,15 +72,16 @@ class Robot(Rendered):
         raise TypeError("make a Robot with roberval.load, Robot.from_mdh, from_toml or from_urdf")
 
     @classmethod
-    def _of(cls, core: _core.Robot) -> Robot:
+    def _of(cls, core: _core.Robot, reading: Reading) -> Robot:
         for warning in core.warnings:
             warnings.warn(f"{core.name}: {warning}", RobotWarning, stacklevel=3)
-        return cls._quietly(core)
+        return cls._quietly(core, reading)
 
     @classmethod
-    def _quietly(cls, core: _core.Robot) -> Robot:
+    def _quietly(cls, core: _core.Robot, reading: Reading) -> Robot:
         robot = object.__new__(cls)
         robot._inner = core
+        robot._reading = reading
         robot._labels = tuple(core.labels)
         robot._links = tuple(Link(*link) for link in core.links)
         return robot
@@ -90,8 +92,9 @@ class Robot(Rendered):
         rows: Iterable[mdh.Row],
         *,
         name: str = "robot",
-        gravity: Sequence[float | str] = (0, 0, "-9.81"),
-        constants: Mapping[str, float | str] | None = None,
+        gravity: Sequence[Number] = (0, 0, "-9.81"),
+        constants: Mapping[str, Number] | None = None,
+        snap: Snap = "default",
     ) -> Robot:
         """Build a robot from modified Denavit-Hartenberg parameters (Khalil and Kleinfinger).
 
@@ -110,6 +113,8 @@ class Robot(Rendered):
             Acceleration of gravity in the base frame, m/s^2.
         constants : dict
             Named values for the expressions in `rows`.
+        snap : {"default", "off", "aggressive"}
+            Whether rounded angles are set right, as in `load`.
 
         Returns
         -------
@@ -129,21 +134,37 @@ class Robot(Rendered):
         7
         """
         text = mdh.robot_toml(rows, name, gravity, constants)
-        return cls._of(_core.Robot.from_rows(text, "from_mdh"))
+        asked = reading(snap=snap)
+        return cls._of(_core.Robot.from_rows(text, "from_mdh", asked), asked)
 
     @classmethod
-    def from_toml(cls, text: str) -> Robot:
+    def from_toml(cls, text: str, *, snap: Snap = "default") -> Robot:
         """Read the text of a robot TOML.
+
+        Parameters
+        ----------
+        text : str
+            The robot TOML.
+        snap : {"default", "off", "aggressive"}
+            Whether rounded angles are set right, as in `load`.
 
         Raises
         ------
         RobotError
             The text is not valid; the message names the line and what would be right.
         """
-        return cls._of(_core.Robot.from_toml(text, "robot.toml"))
+        asked = reading(snap=snap)
+        return cls._of(_core.Robot.from_toml(text, "robot.toml", asked), asked)
 
     @classmethod
-    def from_urdf(cls, text_or_path: str | os.PathLike[str], *, keep_fixed: bool = False) -> Robot:
+    def from_urdf(
+        cls,
+        text_or_path: str | os.PathLike[str],
+        *,
+        keep_fixed: bool = False,
+        snap: Snap = "default",
+        gravity: Sequence[Number] | None = None,
+    ) -> Robot:
         """Read a URDF: its text (anything that begins with ``<``), or the path of a file.
 
         Links keep their URDF frames and are numbered depth first in file order. No mesh is
@@ -156,19 +177,28 @@ class Robot(Rendered):
         keep_fixed : bool
             Keep links on fixed joints as links of their own; by default they are lumped
             into their parents.
+        snap, gravity
+            As in `load`.
 
         Raises
         ------
         RobotError
             The file or text is not valid; the message names the line and what would be right.
         """
+        asked = reading(keep_fixed=keep_fixed, snap=snap, gravity=gravity)
         text = os.fspath(text_or_path)
         if text.lstrip("\ufeff \t\r\n").startswith("<"):
-            return cls._of(_core.Robot.from_urdf(text, "robot.urdf", keep_fixed))
-        return cls._of(_core.Robot.load(text, keep_fixed))
+            return cls._of(_core.Robot.from_urdf(text, "robot.urdf", asked), asked)
+        return cls._of(_core.Robot.load(text, asked), asked)
 
-    def to_toml(self) -> str:
-        """Return the robot as robot TOML, its numbers as they were written.
+    def to_toml(self, *, cleaned: bool = False) -> str:
+        """Return the robot as robot TOML.
+
+        Parameters
+        ----------
+        cleaned : bool
+            Write the numbers as they were understood (pi/2) instead of as they were written
+            (1.5708).
 
         Raises
         ------
@@ -182,7 +212,7 @@ class Robot(Rendered):
         >>> rv.Robot.from_toml(puma.to_toml()) == puma
         True
         """
-        return self._inner.to_toml()
+        return self._inner.to_toml(cleaned)
 
     @property
     def name(self) -> str:
@@ -219,6 +249,16 @@ class Robot(Rendered):
     def warnings(self) -> tuple[str, ...]:
         """What the reader of the robot file noticed."""
         return tuple(self._inner.warnings)
+
+    @property
+    def changes(self) -> tuple[str, ...]:
+        """Numbers of the description that were set right, one sentence each."""
+        return tuple(self._inner.changes)
+
+    @property
+    def near_misses(self) -> tuple[str, ...]:
+        """Numbers that look rounded and were left alone, one sentence each."""
+        return tuple(self._inner.near_misses)
 
     @property
     def X(self) -> Array | None:  # noqa: N802
@@ -380,9 +420,10 @@ class Robot(Rendered):
         ----------
         model : {"d", "d0", "h"}
             The model whose columns are analysed; all give the same answer.
-        engine : {"qr", "qrii", "svd"}
-            QR without pivoting (Gautier 1991, eq. (13); the default), QR with column
-            pivoting (eq. (14)) or SVD (eq. (21)-(27)); all give the same answer.
+        engine : {"exact", "qr", "qrii", "svd"}
+            Elimination modulo primes, which needs no tolerance (the default); QR without
+            pivoting (Gautier 1991, eq. (13)), QR with column pivoting (eq. (14)) or SVD
+            (eq. (21)-(27)). All give the same answer.
         choice : {"paper", "pivoted", "prefer"}
             Which parameters to keep. paper (the default): the parameters of largest subscript
             are regrouped; pivoted: the best conditioned columns are kept; prefer: the paper's
@@ -395,8 +436,8 @@ class Robot(Rendered):
         rows : int
             Rows of the observation matrix W; by default twice its columns or more.
         tolerance : float or {"paper", "paper-ieee"}
-            What counts as zero: a ratio to the column's norm, or the paper's rule
-            ``tau = r |T11| eps`` with its own eps 2^-56 or IEEE's 2^-52.
+            What counts as zero for the float engines: a ratio to the column's norm, or the
+            paper's rule ``tau = r |T11| eps`` with its own eps 2^-56 or IEEE's 2^-52.
         samples : Scaling or (q, qd, qdd)
             Joint states to take instead of random ones; `rows` and `seed` then play no part.
 
@@ -415,6 +456,8 @@ class Robot(Rendered):
         -----
         DoubtfulRankWarning
             The rank is in doubt: see the result's `diagnosis`.
+        RobotWarning
+            There is no doubt, but the file as written has another number of base parameters.
 
         Examples
         --------
@@ -422,8 +465,8 @@ class Robot(Rendered):
         >>> base = rv.load("puma560").base_parameters()
         >>> base.rank
         40
-        >>> list(base.relations["XX_6"])
-        ['XX_6', 'YY_6']
+        >>> dict(base.relations["XX_6"])
+        {'XX_6': 1.0, 'YY_6': -1.0}
         """
         answer = analyse(
             self,
@@ -439,7 +482,7 @@ class Robot(Rendered):
             ),
             None if samples is None else self._samples(samples),
         )
-        answer._warn_of_doubt()
+        answer._warn()
         return answer
 
     def _samples(
@@ -540,7 +583,7 @@ class Robot(Rendered):
         return hash((self.name, self._labels))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restore, self._inner.state()
+        return _restore, (*self._inner.state(), self._reading)
 
     def __repr__(self) -> str:
         kinds = [link.joint for link in self._links]
@@ -567,8 +610,7 @@ class Robot(Rendered):
         return rendering.paragraph(repr(self)) + rendering.grid(header, rows)
 
 
-def _restore(format: str, text: str, name: str, keep_fixed: bool) -> Robot:
+def _restore(format: str, text: str, name: str, asked: Reading) -> Robot:
     """Return a robot from its pickled state."""
-    if format == "urdf":
-        return Robot._quietly(_core.Robot.from_urdf(text, name, keep_fixed))
-    return Robot._quietly(_core.Robot.from_toml(text, name))
+    read = _core.Robot.from_urdf if format == "urdf" else _core.Robot.from_toml
+    return Robot._quietly(read(text, name, asked), asked)

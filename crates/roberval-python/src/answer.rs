@@ -2,11 +2,11 @@
 
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
-use roberval_base::{self as base, BaseParameters};
+use roberval_base::{self as base, BaseParameters, Blame, ExactNumber};
 
 use roberval_tables as tables;
 
-use crate::errors::detached;
+use crate::calls::detached;
 use crate::options::rendering;
 use crate::scaling::matrix;
 use crate::states::vector;
@@ -80,6 +80,42 @@ impl Answer {
         matrix(py, &self.answer.beta)
     }
 
+    /// beta without rounding, zeros as the fraction 0; None from the float engines.
+    #[getter]
+    fn beta_exact(&self) -> Option<Vec<Vec<Coefficient>>> {
+        let beta = self.answer.beta_exact.as_ref()?;
+        let row = |row: &Vec<ExactNumber>| row.iter().map(Coefficient::of).collect();
+        Some(beta.iter().map(row).collect())
+    }
+
+    /// Rank, primes, seeds, failure probability and generic angles of the exact engine.
+    #[getter]
+    fn structure(&self) -> Option<StructureRow> {
+        let s = self.answer.diagnosis.structure.clone()?;
+        Some((s.rank, s.primes, s.seeds, s.failure_probability, s.generic))
+    }
+
+    /// Engine, rank, gap and gap at the structural rank of each float engine.
+    #[getter]
+    fn witnesses(&self) -> Vec<(&'static str, usize, Option<f64>, Option<f64>)> {
+        let witnesses = self.answer.diagnosis.witnesses.iter();
+        witnesses
+            .map(|w| (w.engine.name(), w.rank, w.gap, w.gap_at_structural))
+            .collect()
+    }
+
+    /// What the file as written gives: rank, numbers to blame, near misses.
+    #[getter]
+    fn literal(&self) -> Option<LiteralRow> {
+        let literal = self.answer.diagnosis.literal.as_ref()?;
+        let rows = |blame: &[Blame]| blame.iter().map(|b| (b.what.clone(), b.rank)).collect();
+        Some((
+            literal.rank,
+            rows(&literal.blame),
+            rows(&literal.near_misses),
+        ))
+    }
+
     #[getter]
     fn clear(&self) -> bool {
         self.answer.diagnosis.clear
@@ -146,6 +182,29 @@ impl Answer {
         let x = vector(&x)?;
         let values = detached(py, || self.answer.minimum_norm(&x))?;
         Ok(PyArray1::from_vec(py, values))
+    }
+}
+
+type StructureRow = (usize, Vec<u64>, Vec<u64>, f64, Vec<String>);
+type LiteralRow = (usize, Vec<(String, usize)>, Vec<(String, usize)>);
+
+/// A coefficient as Python builds it: "363/1250", [(n, "r")] for sums of r sqrt(n), float.
+#[derive(IntoPyObject)]
+enum Coefficient {
+    Rational(String),
+    Surd(Vec<(u32, String)>),
+    Rounded(f64),
+}
+
+impl Coefficient {
+    fn of(number: &ExactNumber) -> Self {
+        match number {
+            ExactNumber::Rational(r) => Self::Rational(r.to_string()),
+            ExactNumber::Surd(terms) => {
+                Self::Surd(terms.iter().map(|(n, r)| (*n, r.to_string())).collect())
+            }
+            ExactNumber::Rounded(x) => Self::Rounded(*x),
+        }
     }
 }
 

@@ -1,7 +1,5 @@
 //! The one place where errors of Rust become exceptions of Python.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use roberval_base::BaseError;
@@ -13,29 +11,6 @@ use roberval_regressor::RegressorError;
 pub trait IntoPython {
     /// The Python exception.
     fn into_python(self, py: Python<'_>) -> PyErr;
-}
-
-/// Runs `work` with the GIL released; a panic becomes an `InternalError`.
-pub fn detached<T, E>(py: Python<'_>, work: impl FnOnce() -> Result<T, E> + Send) -> PyResult<T>
-where
-    T: Send,
-    E: IntoPython + Send,
-{
-    match py.detach(|| catch_unwind(AssertUnwindSafe(work))) {
-        Ok(result) => result.map_err(|error| error.into_python(py)),
-        Err(panic) => {
-            let text = panic
-                .downcast_ref::<String>()
-                .map(String::as_str)
-                .or_else(|| panic.downcast_ref::<&str>().copied())
-                .unwrap_or("no message");
-            Err(raise(
-                py,
-                "InternalError",
-                &format!("this is a bug of roberval: {text}"),
-            ))
-        }
-    }
 }
 
 /// The exception `roberval.errors.<class>` with this message.
@@ -85,12 +60,12 @@ impl IntoPython for BaseError {
     fn into_python(self, py: Python<'_>) -> PyErr {
         let class = match self {
             Self::Regressor(error) => return error.into_python(py),
+            Self::Mechanism(error) => return error.into_python(py),
             Self::UnknownParameter { .. } => "UnknownParameterError",
             Self::KeptAndDropped { .. } | Self::TooFewRows { .. } | Self::TooManyRows { .. } => {
                 "OptionError"
             }
             Self::Length { .. } => "ShapeError",
-            Self::Mechanism(_) => "RobotError",
             Self::Stopped { .. } | Self::Exact(_) | Self::Linalg(_) => "NumericalError",
         };
         raise(py, class, &self.to_string())

@@ -4,6 +4,7 @@
 //! package, which makes the arrays plain before they come here.
 
 mod answer;
+mod calls;
 mod command;
 mod errors;
 mod options;

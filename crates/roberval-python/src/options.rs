@@ -3,9 +3,11 @@
 use pyo3::prelude::*;
 use roberval_base::{Choice, Engine, Model, Options, PAPER_EPS_VAX, Tolerance};
 
+use roberval_mechanism::{CleanMode, CleanPolicy, Mechanism, RobotDescription};
+use roberval_scalar::Quantity;
 use roberval_tables::Format;
 
-use crate::errors::raise;
+use crate::errors::{IntoPython, raise};
 
 /// When a number counts as zero: a ratio, or a rule by name.
 #[derive(FromPyObject)]
@@ -71,6 +73,46 @@ fn tolerance(py: Python<'_>, argument: Option<ToleranceArgument>) -> PyResult<To
             "paper-ieee" => Ok(Tolerance::Paper { eps: f64::EPSILON }),
             other => Err(refuse(py, "tolerance", other, &["paper", "paper-ieee"])),
         },
+    }
+}
+
+/// How a robot file is read.
+#[derive(Clone, FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Reading {
+    pub keep_fixed: bool,
+    snap: String,
+    gravity: Option<[String; 3]>,
+}
+
+impl Reading {
+    /// The mechanism of a description: gravity put in, rounded numbers set right.
+    pub fn mechanism(
+        &self,
+        py: Python<'_>,
+        mut description: RobotDescription,
+    ) -> PyResult<Mechanism> {
+        if let Some(gravity) = &self.gravity {
+            for (place, text) in description.gravity.iter_mut().zip(gravity) {
+                *place = Quantity::parse_number(text, &description.constants).map_err(|error| {
+                    raise(py, "OptionError", &format!("gravity has {text:?}: {error}"))
+                })?;
+            }
+        }
+        let policy = CleanPolicy {
+            mode: snap(py, &self.snap)?,
+            ..CleanPolicy::default()
+        };
+        Mechanism::cleaned(&description, &policy).map_err(|error| error.into_python(py))
+    }
+}
+
+fn snap(py: Python<'_>, name: &str) -> PyResult<CleanMode> {
+    match name {
+        "default" => Ok(CleanMode::Default),
+        "off" => Ok(CleanMode::Off),
+        "aggressive" => Ok(CleanMode::Aggressive),
+        other => Err(refuse(py, "snap", other, &["default", "off", "aggressive"])),
     }
 }
 

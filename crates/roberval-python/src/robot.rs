@@ -1,5 +1,7 @@
 //! A robot: its description and its regressor.
 
+use std::sync::Arc;
+
 use numpy::{PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use roberval_base::{base_parameters, base_parameters_at, compare};
@@ -9,8 +11,9 @@ use roberval_regressor::Regressor;
 use roberval_tables as tables;
 
 use crate::answer::{Answer, Comparison};
-use crate::errors::{IntoPython, detached};
-use crate::options::{self, OptionArguments, rendering};
+use crate::calls::{detached, interruptible};
+use crate::errors::IntoPython;
+use crate::options::{self, OptionArguments, Reading, rendering};
 use crate::scaling::{self, Scaling, ScalingArguments};
 use crate::states::{OwnedStates, vector};
 
@@ -18,8 +21,9 @@ use crate::states::{OwnedStates, vector};
 #[pyclass(frozen, module = "roberval._core")]
 pub struct Robot {
     /// A URDF's text, for pickling; robot TOML can be written anew.
-    urdf: Option<(String, bool)>,
-    mechanism: Mechanism,
+    urdf: Option<String>,
+    /// Shared with the threads of long calls.
+    mechanism: Arc<Mechanism>,
     regressor: Regressor,
 }
 
@@ -37,44 +41,88 @@ type LinkRow = (
 impl Robot {
     /// A built-in robot by name, or a robot file.
     #[staticmethod]
-    fn load(py: Python<'_>, path_or_name: &str, keep_fixed: bool) -> PyResult<Self> {
-        let options = UrdfOptions { keep_fixed };
+    fn load(py: Python<'_>, path_or_name: &str, reading: Reading) -> PyResult<Self> {
+        let options = UrdfOptions {
+            keep_fixed: reading.keep_fixed,
+        };
         let description = detached(py, || load_with(path_or_name, options))?;
         let urdf = match description.format {
             SourceFormat::Mdh => None,
-            SourceFormat::Urdf => Some((std::fs::read_to_string(path_or_name)?, keep_fixed)),
+            SourceFormat::Urdf => Some(std::fs::read_to_string(path_or_name)?),
         };
-        Self::of(py, description, urdf)
+        Self::of(py, description, urdf, &reading)
     }
 
     /// A robot from the text of a robot TOML.
     #[staticmethod]
-    fn from_toml(py: Python<'_>, text: &str, source: &str) -> PyResult<Self> {
+    fn from_toml(py: Python<'_>, text: &str, source: &str, reading: Reading) -> PyResult<Self> {
         let description = detached(py, || parse_toml(text, source))?;
-        Self::of(py, description, None)
+        Self::of(py, description, None, &reading)
     }
 
     /// As `from_toml` for a text that no user has seen: errors without line numbers.
     #[staticmethod]
-    fn from_rows(py: Python<'_>, text: &str, source: &str) -> PyResult<Self> {
+    fn from_rows(py: Python<'_>, text: &str, source: &str, reading: Reading) -> PyResult<Self> {
         let description = detached(py, || {
             parse_toml(text, source).map_err(|error| FormatError {
                 position: None,
                 ..error
             })
         })?;
-        Self::of(py, description, None)
+        Self::of(py, description, None, &reading)
     }
 
     /// A robot from the text of a URDF.
     #[staticmethod]
-    fn from_urdf(py: Python<'_>, text: &str, source: &str, keep_fixed: bool) -> PyResult<Self> {
-        let description = detached(py, || parse_urdf(text, source, UrdfOptions { keep_fixed }))?;
-        Self::of(py, description, Some((text.to_owned(), keep_fixed)))
+    fn from_urdf(py: Python<'_>, text: &str, source: &str, reading: Reading) -> PyResult<Self> {
+        let options = UrdfOptions {
+            keep_fixed: reading.keep_fixed,
+        };
+        let description = detached(py, || parse_urdf(text, source, options))?;
+        Self::of(py, description, Some(text.to_owned()), &reading)
     }
 
-    fn to_toml(&self, py: Python<'_>) -> PyResult<String> {
-        to_toml(&self.mechanism.description).map_err(|error| error.into_python(py))
+    /// The robot as written, or with its rounded numbers set right.
+    fn to_toml(&self, py: Python<'_>, cleaned: bool) -> PyResult<String> {
+        let description = if cleaned {
+            &self.mechanism.description
+        } else {
+            self.written()
+        };
+        to_toml(description).map_err(|error| error.into_python(py))
+    }
+
+    /// Format, text and name, from which the robot can be read again.
+    fn state(&self, py: Python<'_>) -> PyResult<(&'static str, String, &str)> {
+        let name = self.mechanism.name.as_str();
+        Ok(match &self.urdf {
+            Some(text) => ("urdf", text.clone(), name),
+            None => ("toml", self.to_toml(py, false)?, name),
+        })
+    }
+
+    /// Whether two robots are the same, literal by literal, as written and as understood.
+    fn same(&self, other: &Self) -> bool {
+        self.written() == other.written()
+            && self.mechanism.description == other.mechanism.description
+    }
+
+    /// Numbers of the robot file that were set right, in sentences.
+    #[getter]
+    fn changes(&self) -> Vec<String> {
+        let cleaning = self.mechanism.cleaning.iter();
+        cleaning
+            .flat_map(|c| c.cleaned.changes.iter().map(ToString::to_string))
+            .collect()
+    }
+
+    /// Numbers that look rounded and were left alone, in sentences.
+    #[getter]
+    fn near_misses(&self) -> Vec<String> {
+        let cleaning = self.mechanism.cleaning.iter();
+        cleaning
+            .flat_map(|c| c.cleaned.near_misses.iter().map(ToString::to_string))
+            .collect()
     }
 
     fn render(&self, py: Python<'_>, format: &str) -> PyResult<String> {
@@ -85,20 +133,6 @@ impl Robot {
     #[getter]
     fn name(&self) -> &str {
         &self.mechanism.name
-    }
-
-    /// Format, text, name and `keep_fixed`, from which the robot can be made again.
-    fn state(&self, py: Python<'_>) -> PyResult<(&'static str, String, &str, bool)> {
-        let name = self.mechanism.name.as_str();
-        Ok(match &self.urdf {
-            Some((text, keep_fixed)) => ("urdf", text.clone(), name, *keep_fixed),
-            None => ("toml", self.to_toml(py)?, name, false),
-        })
-    }
-
-    /// Whether two descriptions are the same, literal by literal.
-    fn same(&self, other: &Self) -> bool {
-        self.mechanism.description == other.mechanism.description
     }
 
     #[getter]
@@ -214,14 +248,15 @@ impl Robot {
         qdd: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Answer> {
         let options = options.check(py)?;
+        let mechanism = Arc::clone(&self.mechanism);
         let answer = match (q, qd, qdd) {
             (Some(q), Some(qd), Some(qdd)) => {
                 let samples = OwnedStates::copy(&q, &qd, &qdd)?.into_samples();
-                detached(py, || {
-                    base_parameters_at(&self.mechanism, &options, &samples)
+                interruptible(py, move || {
+                    base_parameters_at(&mechanism, &options, &samples)
                 })?
             }
-            _ => detached(py, || base_parameters(&self.mechanism, &options))?,
+            _ => interruptible(py, move || base_parameters(&mechanism, &options))?,
         };
         Ok(Answer::new(answer))
     }
@@ -234,13 +269,9 @@ impl Robot {
     /// All models by all engines.
     fn compare(&self, py: Python<'_>, options: OptionArguments) -> PyResult<Comparison> {
         let options = options.check(py)?;
-        detached(py, || {
-            compare(
-                &self.mechanism,
-                &options.choice,
-                options.tolerance,
-                options.seed,
-            )
+        let mechanism = Arc::clone(&self.mechanism);
+        interruptible(py, move || {
+            compare(&mechanism, &options.choice, options.tolerance, options.seed)
         })
         .map(Comparison::new)
     }
@@ -250,14 +281,23 @@ impl Robot {
     fn of(
         py: Python<'_>,
         description: RobotDescription,
-        urdf: Option<(String, bool)>,
+        urdf: Option<String>,
+        reading: &Reading,
     ) -> PyResult<Self> {
-        let mechanism = Mechanism::new(&description).map_err(|error| error.into_python(py))?;
+        let mechanism = reading.mechanism(py, description)?;
         Ok(Self {
             urdf,
             regressor: Regressor::new(&mechanism),
-            mechanism,
+            mechanism: Arc::new(mechanism),
         })
+    }
+
+    /// The description before anything was set right.
+    fn written(&self) -> &RobotDescription {
+        match &self.mechanism.cleaning {
+            Some(cleaning) => &cleaning.written,
+            None => &self.mechanism.description,
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use roberval_base::{self as base, Matrix, ScalingOptions, ScalingProgress, scale};
 use roberval_mechanism::Mechanism;
 
-use crate::errors::detached;
+use crate::calls::detached;
 use crate::options::model;
 
 /// The options of a search; what is None has the default of Rust.

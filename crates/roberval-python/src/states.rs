@@ -7,7 +7,8 @@ use pyo3::prelude::*;
 use roberval_base::Samples;
 use roberval_regressor::{RegressorError, States};
 
-use crate::errors::{detached, raise};
+use crate::calls::detached;
+use crate::errors::raise;
 
 /// Numbers that one block of samples writes before Ctrl-C is looked at: some ms.
 const BLOCK: usize = 1 << 20;
