@@ -9,9 +9,11 @@ use crate::BaseError;
 /// agree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Engine {
+    /// Elimination modulo primes: rank, choice and beta without a tolerance.
+    #[default]
+    Exact,
     /// QR without pivoting (Gautier 1991, eq. (13)), as a staircase: rank and choice in
     /// one pass, beta = R1^-1 R2.
-    #[default]
     Qr,
     /// QR with column pivoting (eq. (14)): rank from T, choice from T's columns, beta =
     /// R1^-1 R2.
@@ -29,13 +31,17 @@ pub(crate) struct Finding {
 }
 
 impl Engine {
-    /// All float engines.
-    pub const ALL: [Self; 3] = [Self::Qr, Self::Qrii, Self::Svd];
+    /// All engines.
+    pub const ALL: [Self; 4] = [Self::Exact, Self::Qr, Self::Qrii, Self::Svd];
 
-    /// `qr`, `qrii` or `svd`.
+    /// The engines that compute in floats and need a tolerance.
+    pub const FLOAT: [Self; 3] = [Self::Qr, Self::Qrii, Self::Svd];
+
+    /// `exact`, `qr`, `qrii` or `svd`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
+            Self::Exact => "exact",
             Self::Qr => "qr",
             Self::Qrii => "qrii",
             Self::Svd => "svd",
@@ -69,14 +75,24 @@ impl Engine {
         })
     }
 
-    /// The rank, the leftmost independent columns and, for the SVD, its factors.
+    /// The rank of W alone.
+    pub(crate) fn rank(self, w: &Matrix, tolerance: &Tolerance) -> Result<RankDecision, BaseError> {
+        Ok(match self {
+            Self::Exact | Self::Qr => staircase_qr(w, tolerance)?.decision,
+            Self::Qrii => qrii(w)?.decide(tolerance)?,
+            Self::Svd => svd(w)?.decide(tolerance)?,
+        })
+    }
+
+    /// The rank, the leftmost independent columns and, for the SVD, its factors. The
+    /// exact engine needs no W; asked for its opinion of one, it lends the staircase's.
     fn decide(
         self,
         w: &Matrix,
         tolerance: &Tolerance,
     ) -> Result<(RankDecision, Vec<usize>, Option<Svd>), BaseError> {
         Ok(match self {
-            Self::Qr => {
+            Self::Exact | Self::Qr => {
                 let staircase = staircase_qr(w, tolerance)?;
                 (staircase.decision, staircase.kept, None)
             }

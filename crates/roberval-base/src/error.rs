@@ -1,5 +1,8 @@
 use roberval_linalg::LinalgError;
+use roberval_mechanism::MechanismError;
 use roberval_regressor::RegressorError;
+
+use crate::ExactError;
 
 /// Why base parameters could not be computed. A doubtful rank is not an error but a
 /// [`crate::Diagnosis`].
@@ -49,9 +52,23 @@ pub enum BaseError {
         /// Entries found.
         found: usize,
     },
+    /// The user stopped a search.
+    #[error("stopped after {done} of at most {most} searches for samples")]
+    Stopped {
+        /// Searches done.
+        done: usize,
+        /// Searches at most.
+        most: usize,
+    },
     /// The states do not fit the robot.
     #[error(transparent)]
     Regressor(#[from] RegressorError),
+    /// The description as written is no mechanism.
+    #[error(transparent)]
+    Mechanism(#[from] MechanismError),
+    /// The exact engine has no answer.
+    #[error(transparent)]
+    Exact(#[from] ExactError),
     /// A factorisation failed.
     #[error(transparent)]
     Linalg(#[from] LinalgError),

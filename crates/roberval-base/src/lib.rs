@@ -5,24 +5,30 @@
 
 mod choice;
 mod compare;
+mod diagnosis;
 mod engine;
 mod error;
 mod exact;
+mod literal;
 mod method;
 mod nullspace;
 mod observation;
 mod result;
 mod sample;
+mod scaling;
 
 pub use choice::Choice;
 pub use compare::{Comparison, Route, compare};
+pub use diagnosis::{Diagnosis, Structure, Witness};
 pub use engine::Engine;
 pub use error::BaseError;
 pub use exact::{ExactDecision, ExactError, ExactNumber, decide_exactly};
-pub use method::{Options, base_parameters};
+pub use literal::{Blame, Literal};
+pub use method::{Options, base_parameters, base_parameters_at};
 pub use nullspace::{NullspaceDecision, nullspace_rank};
 pub use observation::{Observation, observe};
-pub use result::{BaseParameters, Diagnosis, Relation, Tally};
+pub use result::{BaseParameters, Relation, Tally};
 pub use roberval_linalg::{Matrix, PAPER_EPS_VAX, Tolerance};
 pub use roberval_regressor::Model;
 pub use sample::Samples;
+pub use scaling::{Grade, Scaling, ScalingOptions, ScalingProgress, scale};

@@ -1,11 +1,18 @@
-use roberval_linalg::{Matrix, Relations, Tolerance, equilibrate, unscale_relations};
-use roberval_mechanism::{Mechanism, ParameterSpace};
+use roberval_linalg::{
+    Matrix, RankDecision, Relations, Tolerance, equilibrate, qrii, unscale_relations,
+};
+use roberval_mechanism::Mechanism;
 use roberval_regressor::Model;
 use roberval_scalar::SplitMix64;
 
 use crate::engine::{Finding, complement};
-use crate::result::{Classes, Diagnosis};
-use crate::{BaseError, BaseParameters, Choice, Engine, Observation, Samples, observe};
+use crate::literal::literal;
+use crate::observation::check_size;
+use crate::result::Classes;
+use crate::{
+    BaseError, BaseParameters, Choice, Diagnosis, Engine, ExactDecision, ExactNumber, Observation,
+    Samples, decide_exactly, observe,
+};
 
 /// Samples are never fewer than this: a subtree's own columns (at most 11 a link) are
 /// seen by no more rows than its joints give.
@@ -38,46 +45,148 @@ pub fn base_parameters(
     options: &Options,
 ) -> Result<BaseParameters, BaseError> {
     let space = mechanism.parameters();
-    let samples = draw_samples(mechanism, &space, options);
-    let observation = observe(mechanism, options.model, &samples)?;
+    let count = sample_count(mechanism, options.model, options.rows, 2 * space.len())?;
+    let samples = Samples::draw(mechanism, count, options.seed);
+    base_parameters_at(mechanism, options, &samples)
+}
+
+/// [`base_parameters`] at samples of one's own, such as [`crate::scale`] finds;
+/// `options.rows` plays no part.
+///
+/// # Errors
+/// Those of [`base_parameters`]; [`BaseError::Regressor`] if the samples do not fit the
+/// robot.
+pub fn base_parameters_at(
+    mechanism: &Mechanism,
+    options: &Options,
+    samples: &Samples,
+) -> Result<BaseParameters, BaseError> {
+    match options.engine {
+        Engine::Exact => by_elimination(mechanism, options, samples),
+        Engine::Qr | Engine::Qrii | Engine::Svd => by_factorisation(mechanism, options, samples),
+    }
+}
+
+/// Gautier's three steps in floats.
+fn by_factorisation(
+    mechanism: &Mechanism,
+    options: &Options,
+    samples: &Samples,
+) -> Result<BaseParameters, BaseError> {
+    let space = mechanism.parameters();
+    let observation = observe(mechanism, options.model, samples)?;
     let no_effect = observation.without_effect();
     let order = options.choice.order(&space, &observation.with_effect())?;
     let w = observation.w.select_columns(&order);
     check_rows(&w)?;
     let finding = decide(&w, options)?;
     let (base, regrouped, beta) = in_column_order(&order, &finding);
-    let classes = classify(&base, &beta, options.seed);
     let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
     let diagnosis = Diagnosis::of(&finding.decision, &order, &space, fresh);
     Ok(BaseParameters::new(
         mechanism,
         options,
         observation.w.rows(),
-        Classes {
-            no_effect,
-            base,
-            regrouped,
-            unchanged: classes.0,
-            regrouped_into: classes.1,
-        },
+        Classes::of(no_effect, base, regrouped, &beta, options.seed),
         beta,
+        None,
         diagnosis,
     ))
 }
 
-/// At least 2 C rows, C being an upper bound of c.
-fn draw_samples(mechanism: &Mechanism, space: &ParameterSpace, options: &Options) -> Samples {
-    let rows = options.rows.unwrap_or(2 * space.len());
-    let each = options.model.rows(mechanism.dof());
-    let count = match (options.rows, options.model) {
-        (_, Model::H) => rows.saturating_add(1), // the first sample is the reference
-        (None, _) => rows.div_ceil(each).max(FEWEST_SAMPLES),
-        (Some(_), _) => rows.div_ceil(each),
-    };
-    Samples::draw(mechanism, count, options.seed)
+/// The same three steps without a tolerance, the float engines as witnesses.
+fn by_elimination(
+    mechanism: &Mechanism,
+    options: &Options,
+    samples: &Samples,
+) -> Result<BaseParameters, BaseError> {
+    let observation = observe(mechanism, options.model, samples)?;
+    let exact = decide_in_order(mechanism, options, &observation)?;
+    let (base, rows) = sorted(&exact.kept);
+    let (regrouped, columns) = sorted(&exact.deleted);
+    let mut effect = [base.as_slice(), &regrouped].concat();
+    effect.sort_unstable();
+    let w = observation.w.select_columns(&effect);
+    check_rows(&w)?;
+    let beta_exact: Vec<Vec<ExactNumber>> = rows
+        .iter()
+        .map(|&i| columns.iter().map(|&j| exact.beta[i][j].clone()).collect())
+        .collect();
+    let beta = Matrix::from_fn(base.len(), regrouped.len(), |i, j| {
+        beta_exact[i][j].to_f64()
+    });
+    let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
+    let witnesses = witnesses(&w, &options.tolerance)?;
+    let literal = literal(mechanism, options.model, base.len(), options.seed)?;
+    let diagnosis = Diagnosis::structural(&exact, &witnesses, literal, fresh);
+    Ok(BaseParameters::new(
+        mechanism,
+        options,
+        observation.w.rows(),
+        Classes::of(exact.no_effect, base, regrouped, &beta, options.seed),
+        beta,
+        Some(beta_exact),
+        diagnosis,
+    ))
 }
 
-fn check_rows(w: &Matrix) -> Result<(), BaseError> {
+/// The exact decision in the order of the user's choice. QRII's own columns, which only
+/// floats know, are put first and confirmed.
+fn decide_in_order(
+    mechanism: &Mechanism,
+    options: &Options,
+    observation: &Observation,
+) -> Result<ExactDecision, BaseError> {
+    let space = mechanism.parameters();
+    let all: Vec<usize> = (0..space.len()).collect();
+    let order = options.choice.order(&space, &all)?;
+    let exact = decide_exactly(mechanism, options.model, &order, options.seed)?;
+    if options.choice != Choice::Pivoted {
+        return Ok(exact);
+    }
+    let mut effect = [exact.kept.as_slice(), &exact.deleted].concat();
+    effect.sort_unstable();
+    let w = equilibrate(&observation.w.select_columns(&effect)).0;
+    let mut order: Vec<usize> = qrii(&w)?.permutation.iter().map(|&i| effect[i]).collect();
+    order.extend(&exact.no_effect);
+    Ok(decide_exactly(
+        mechanism,
+        options.model,
+        &order,
+        options.seed,
+    )?)
+}
+
+/// What the float engines make of W: QRII first, whose spectrum is shown.
+fn witnesses(w: &Matrix, tolerance: &Tolerance) -> Result<Vec<(Engine, RankDecision)>, BaseError> {
+    let scaled = match tolerance {
+        Tolerance::Paper { .. } => w.clone(),
+        Tolerance::Relative { .. } => equilibrate(w).0,
+    };
+    [Engine::Qrii, Engine::Svd, Engine::Qr]
+        .into_iter()
+        .map(|engine| Ok((engine, engine.rank(&scaled, tolerance)?)))
+        .collect()
+}
+
+/// The samples that give W `rows` rows, or by default at least `at_least`.
+pub(crate) fn sample_count(
+    mechanism: &Mechanism,
+    model: Model,
+    rows: Option<usize>,
+    at_least: usize,
+) -> Result<usize, BaseError> {
+    let wanted = rows.unwrap_or(at_least);
+    check_size(wanted, mechanism.parameters().len())?;
+    let each = model.rows(mechanism.dof());
+    Ok(match (rows, model) {
+        (_, Model::H) => wanted + 1, // the first sample is the reference
+        (None, _) => wanted.div_ceil(each).max(FEWEST_SAMPLES),
+        (Some(_), _) => wanted.div_ceil(each),
+    })
+}
+
+pub(crate) fn check_rows(w: &Matrix) -> Result<(), BaseError> {
     if w.rows() < w.cols() {
         return Err(BaseError::TooFewRows {
             rows: w.rows(),
@@ -117,8 +226,9 @@ fn decide(w: &Matrix, options: &Options) -> Result<Finding, BaseError> {
 /// Kept and deleted columns as the robot numbers them, ascending, and beta to match.
 fn in_column_order(order: &[usize], finding: &Finding) -> (Vec<usize>, Vec<usize>, Matrix) {
     let deleted = complement(&finding.kept, order.len());
-    let (base, rows) = sorted(order, &finding.kept);
-    let (regrouped, columns) = sorted(order, &deleted);
+    let at = |positions: &[usize]| positions.iter().map(|&p| order[p]).collect::<Vec<_>>();
+    let (base, rows) = sorted(&at(&finding.kept));
+    let (regrouped, columns) = sorted(&at(&deleted));
     let beta = &finding.relations.beta;
     let beta = Matrix::from_fn(base.len(), regrouped.len(), |i, j| {
         beta[(rows[i], columns[j])]
@@ -126,33 +236,37 @@ fn in_column_order(order: &[usize], finding: &Finding) -> (Vec<usize>, Vec<usize
     (base, regrouped, beta)
 }
 
-/// The robot's columns at `positions`, ascending, and where each stood in `positions`.
-fn sorted(order: &[usize], positions: &[usize]) -> (Vec<usize>, Vec<usize>) {
-    let mut pairs: Vec<(usize, usize)> = positions
-        .iter()
-        .enumerate()
-        .map(|(place, &p)| (order[p], place))
-        .collect();
+/// Columns ascending, and where each stood.
+fn sorted(columns: &[usize]) -> (Vec<usize>, Vec<usize>) {
+    let mut pairs: Vec<(usize, usize)> = columns.iter().copied().zip(0..).collect();
     pairs.sort_unstable();
     pairs.into_iter().unzip()
 }
 
-/// Base columns that stay as they are and those that others regroup into, by the
-/// paper's quick test K = beta N with random N, confirmed on the row.
-fn classify(base: &[usize], beta: &Matrix, seed: u64) -> (Vec<usize>, Vec<usize>) {
-    let mut random = SplitMix64::new(!seed);
-    let n: Vec<f64> = (0..beta.cols()).map(|_| random.uniform(0.5, 1.0)).collect();
-    let row_is_zero = |i: usize| (0..beta.cols()).all(|j| beta[(i, j)] == 0.0);
-    let k_is_zero = |i: usize| (0..beta.cols()).map(|j| beta[(i, j)] * n[j]).sum::<f64>() == 0.0;
-    let (mut unchanged, mut regrouped_into) = (Vec::new(), Vec::new());
-    for (i, &column) in base.iter().enumerate() {
-        if k_is_zero(i) && row_is_zero(i) {
-            unchanged.push(column);
-        } else {
-            regrouped_into.push(column);
+impl Classes {
+    /// Base columns that stay as they are and those that others regroup into, by the
+    /// paper's quick test K = beta N with random N, confirmed on the row.
+    fn of(
+        no_effect: Vec<usize>,
+        base: Vec<usize>,
+        regrouped: Vec<usize>,
+        beta: &Matrix,
+        seed: u64,
+    ) -> Self {
+        let mut random = SplitMix64::new(!seed);
+        let n: Vec<f64> = (0..beta.cols()).map(|_| random.uniform(0.5, 1.0)).collect();
+        let k = |i: usize| (0..beta.cols()).map(|j| beta[(i, j)] * n[j]).sum::<f64>();
+        let row_is_zero = |i: usize| (0..beta.cols()).all(|j| beta[(i, j)] == 0.0);
+        let (unchanged, regrouped_into): (Vec<usize>, Vec<usize>) =
+            (0..base.len()).partition(|&i| k(i) == 0.0 && row_is_zero(i));
+        Self {
+            unchanged: unchanged.iter().map(|&i| base[i]).collect(),
+            regrouped_into: regrouped_into.iter().map(|&i| base[i]).collect(),
+            no_effect,
+            base,
+            regrouped,
         }
     }
-    (unchanged, regrouped_into)
 }
 
 /// The largest |W2 - W1 beta| at samples that decided nothing, relative to the column.

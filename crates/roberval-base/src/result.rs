@@ -1,16 +1,8 @@
-use roberval_linalg::{Matrix, RankDecision, relations_qr};
+use roberval_linalg::{Matrix, relations_qr};
 use roberval_mechanism::{Mechanism, ParameterSpace};
 use roberval_regressor::{Model, Regressor, States};
 
-use crate::{BaseError, Choice, Engine, Options};
-
-/// The dropped and the kept part of the spectrum must be this far apart, or the rank is
-/// doubtful: clean geometry shows 1e10 and more.
-const CLEAR_GAP: f64 = 1e6;
-
-/// Relations hold at fresh samples to this, relative to the column, or the rank is
-/// doubtful: rounding leaves 1e-12 on a 36-link chain.
-const FRESH_RESIDUAL: f64 = 1e-9;
+use crate::{BaseError, Choice, Diagnosis, Engine, ExactNumber, Options};
 
 /// The base inertial parameters of a robot and how the others regroup onto them.
 ///
@@ -43,6 +35,8 @@ pub struct BaseParameters {
     pub regrouped_into: Vec<usize>,
     /// beta, b x (c - b): W2 = W1 beta and XB1 = X1 + beta X2 (Gautier 1991, eq. (17), (20)).
     pub beta: Matrix,
+    /// beta's entries exactly, by the exact engine.
+    pub beta_exact: Option<Vec<Vec<ExactNumber>>>,
     /// How sure the answer is.
     pub diagnosis: Diagnosis,
 }
@@ -54,95 +48,6 @@ pub(crate) struct Classes {
     pub regrouped: Vec<usize>,
     pub unchanged: Vec<usize>,
     pub regrouped_into: Vec<usize>,
-}
-
-/// How sure a rank is.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Diagnosis {
-    /// Whether there is no doubt about the rank.
-    pub clear: bool,
-    /// What the rank was decided on: |T_ii| (QRII) or sigma_i (SVD), nonincreasing; or,
-    /// for QR, what earlier columns leave of each column, relative to its norm.
-    pub spectrum: Vec<f64>,
-    /// The columns the spectrum's entries belong to; empty where they belong to none.
-    pub spectrum_columns: Vec<usize>,
-    /// Entries of the spectrum at or below it count as zero.
-    pub tolerance: f64,
-    /// Smallest kept over largest dropped entry; `None` if nothing was kept or dropped.
-    pub gap: Option<f64>,
-    /// The largest miss of the relations at samples that decided nothing, relative.
-    pub residual: f64,
-    /// What the user should know, in sentences.
-    pub messages: Vec<String>,
-}
-
-impl Diagnosis {
-    pub(crate) fn of(
-        decision: &RankDecision,
-        order: &[usize],
-        space: &ParameterSpace,
-        residual: f64,
-    ) -> Self {
-        let by_column = decision.spectrum.len() == order.len()
-            && decision.spectrum.windows(2).any(|pair| pair[0] < pair[1]);
-        let mut messages = Vec::new();
-        if !decision.ambiguous.is_empty() {
-            messages.push(ambiguity(decision, by_column, order, space));
-        }
-        if let Some(gap) = decision.gap.filter(|gap| *gap < CLEAR_GAP) {
-            messages.push(format!(
-                "the gap between kept and dropped values is only {gap:.1e}: the rank is doubtful"
-            ));
-        }
-        if residual > FRESH_RESIDUAL || residual.is_nan() {
-            messages.push(format!(
-                "at fresh samples the relations miss by {residual:.1e} of a column: the rank is doubtful"
-            ));
-        }
-        Self {
-            clear: messages.is_empty(),
-            spectrum: decision.spectrum.clone(),
-            spectrum_columns: if by_column {
-                order.to_vec()
-            } else {
-                Vec::new()
-            },
-            tolerance: decision.tolerance,
-            gap: decision.gap,
-            residual,
-            messages,
-        }
-    }
-}
-
-fn ambiguity(
-    decision: &RankDecision,
-    by_column: bool,
-    order: &[usize],
-    space: &ParameterSpace,
-) -> String {
-    let count = decision.ambiguous.len();
-    let smallest = decision
-        .ambiguous
-        .iter()
-        .map(|&i| decision.spectrum[i])
-        .fold(f64::INFINITY, f64::min);
-    let names: Vec<&str> = decision
-        .ambiguous
-        .iter()
-        .filter(|_| by_column)
-        .map(|&i| space.labels()[order[i]].as_str())
-        .collect();
-    let which = if names.is_empty() {
-        String::new()
-    } else {
-        format!(" ({})", names.join(", "))
-    };
-    format!(
-        "{count} direction{} of W{which} are neither zero nor clearly not, down to {smallest:.1e}: \
-         angles or lengths of the robot file that are rounded (1.5708 for pi/2) do this",
-        if count == 1 { "" } else { "s" }
-    )
 }
 
 /// One base parameter as a sum: XB_i = X_i + sum of beta_ij X_j.
@@ -178,6 +83,7 @@ impl BaseParameters {
         rows: usize,
         classes: Classes,
         beta: Matrix,
+        beta_exact: Option<Vec<Vec<ExactNumber>>>,
         diagnosis: Diagnosis,
     ) -> Self {
         Self {
@@ -194,6 +100,7 @@ impl BaseParameters {
             unchanged: classes.unchanged,
             regrouped_into: classes.regrouped_into,
             beta,
+            beta_exact,
             diagnosis,
         }
     }

@@ -25,34 +25,36 @@ impl Samples {
     /// `count` samples for this robot; the same seed gives the same samples.
     #[must_use]
     pub fn draw(mechanism: &Mechanism, count: usize, seed: u64) -> Self {
-        let length = mechanism.characteristic_length();
-        let gravity = mechanism.gravity.norm();
-        let rate = if gravity > 0.0 {
-            (gravity / length).sqrt()
-        } else {
-            1.0
-        };
+        let reaches = reaches(mechanism);
         let mut random = SplitMix64::new(seed);
-        let size = count * mechanism.dof();
-        let mut samples = Self {
+        let mut samples = Self::with_capacity(count * reaches.len());
+        for _ in 0..count {
+            let unit = |_| std::array::from_fn(|_| random.uniform(-1.0, 1.0));
+            let state: Vec<[f64; 3]> = reaches.iter().map(unit).collect();
+            samples.push(&reaches, &state);
+        }
+        samples
+    }
+
+    /// No samples yet, room for `size` numbers of each kind.
+    pub(crate) fn with_capacity(size: usize) -> Self {
+        Self {
             q: Vec::with_capacity(size),
             qd: Vec::with_capacity(size),
             qdd: Vec::with_capacity(size),
-            count,
-        };
-        for _ in 0..count {
-            for link in mechanism.moving() {
-                let revolute = link.joint == JointKind::Revolute;
-                let unit = if revolute { 1.0 } else { length };
-                let reach = if revolute { PI } else { length };
-                samples.q.push(random.uniform(-reach, reach));
-                samples.qd.push(rate * unit * random.uniform(-1.0, 1.0));
-                samples
-                    .qdd
-                    .push(rate * rate * unit * random.uniform(-1.0, 1.0));
-            }
+            count: 0,
         }
-        samples
+    }
+
+    /// Adds the sample whose (q, qd, qdd), joint by joint, are `state` in units of
+    /// `reaches`.
+    pub(crate) fn push(&mut self, reaches: &[[f64; 3]], state: &[[f64; 3]]) {
+        for (reach, state) in reaches.iter().zip(state) {
+            self.q.push(reach[0] * state[0]);
+            self.qd.push(reach[1] * state[1]);
+            self.qdd.push(reach[2] * state[2]);
+        }
+        self.count += 1;
     }
 
     /// The samples as the regressor takes them.
@@ -64,4 +66,20 @@ impl Samples {
             qdd: &self.qdd,
         }
     }
+}
+
+/// The largest (q, qd, qdd) drawn for each joint.
+pub(crate) fn reaches(mechanism: &Mechanism) -> Vec<[f64; 3]> {
+    let length = mechanism.characteristic_length();
+    let gravity = mechanism.gravity.norm();
+    let rate = if gravity > 0.0 {
+        (gravity / length).sqrt()
+    } else {
+        1.0
+    };
+    let reach = |joint| match joint {
+        JointKind::Prismatic => [length, rate * length, rate * rate * length],
+        JointKind::Revolute | JointKind::Fixed => [PI, rate, rate * rate],
+    };
+    mechanism.moving().map(|link| reach(link.joint)).collect()
 }

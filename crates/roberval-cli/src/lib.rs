@@ -1,1 +1,64 @@
-//! roberval-cli
+//! The `roberval` command line, as one function: [`run`].
+//!
+//! The result alone goes to `out`, what there is to say about it to `err`.
+
+mod arguments;
+mod commands;
+mod error;
+mod output;
+mod regressor;
+mod robot;
+mod states;
+
+use std::ffi::OsString;
+use std::io::{self, Write};
+
+use clap::Parser;
+use roberval_tables::printable;
+
+use arguments::Cli;
+use error::CliError;
+
+/// The answer is sure.
+const CLEAR: i32 = 0;
+/// There is an answer, but its rank is doubtful or the engines disagree.
+const DOUBTFUL: i32 = 1;
+/// Bad input: no answer.
+const BAD_INPUT: i32 = 2;
+
+/// Runs a command line; `args` begin with the program's name.
+///
+/// Gives the exit code: 0 clear, 1 computed but doubtful or engines disagree, 2 bad
+/// input. A reader that goes away (broken pipe) is no error.
+pub fn run(
+    args: impl IntoIterator<Item = OsString>,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> i32 {
+    let result = match Cli::try_parse_from(args) {
+        Ok(cli) => commands::execute(&cli.command, out, err),
+        Err(error) if error.use_stderr() => {
+            // Nobody is left to tell if even this cannot be written.
+            let _ = write!(err, "{}", error.render());
+            return BAD_INPUT;
+        }
+        Err(help) => write!(out, "{}", help.render())
+            .and_then(|()| out.flush())
+            .map(|()| CLEAR)
+            .map_err(CliError::Stdout),
+    };
+    match result {
+        Ok(code) => code,
+        Err(CliError::Stdout(error)) if error.kind() == io::ErrorKind::BrokenPipe => CLEAR,
+        Err(error) => {
+            say(err, "error", &error.to_string());
+            BAD_INPUT
+        }
+    }
+}
+
+/// One line of diagnosis.
+fn say(err: &mut dyn Write, what: &str, message: &str) {
+    // A closed stderr must not hide the result.
+    let _ = writeln!(err, "roberval: {what}: {}", printable(message));
+}

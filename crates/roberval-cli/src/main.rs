@@ -1,2 +1,7 @@
-//! The roberval command.
-fn main() {}
+//! The `roberval` command: see the library beside it.
+
+fn main() {
+    let (mut out, mut err) = (std::io::stdout().lock(), std::io::stderr());
+    let code = roberval_cli::run(std::env::args_os(), &mut out, &mut err);
+    std::process::exit(code);
+}

@@ -127,20 +127,30 @@ impl FormatError {
             file: file.into(),
             position: None,
             place: None,
-            what: what.into(),
+            what: clipped(what.into()),
             hint: None,
         }
     }
 
     pub(crate) fn place(mut self, place: impl Into<String>) -> Self {
-        self.place = Some(place.into());
+        self.place = Some(clipped(place.into()));
         self
     }
 
     pub(crate) fn hint(mut self, hint: impl Into<String>) -> Self {
-        self.hint = Some(hint.into());
+        self.hint = Some(clipped(hint.into()));
         self
     }
+}
+
+/// A part of a message, cut where a text from the file makes it very long.
+fn clipped(mut text: String) -> String {
+    const LONGEST: usize = 400;
+    if let Some((end, _)) = text.char_indices().nth(LONGEST) {
+        text.truncate(end);
+        text.push_str("...");
+    }
+    text
 }
 
 impl fmt::Display for FormatError {

@@ -7,14 +7,15 @@ mod catalogue;
 mod error;
 mod load;
 mod source;
+mod splice;
 mod toml;
 mod urdf;
 mod words;
 
 pub use catalogue::{CatalogueEntry, catalogue};
 pub use error::{Code, FormatError, Position};
-pub use load::{load, load_with};
+pub use load::{clean_file, load, load_with};
 pub use roberval_mechanism::RobotDescription;
 pub use source::MAX_FILE_BYTES;
-pub use toml::{parse_toml, to_toml};
-pub use urdf::{UrdfOptions, parse_urdf};
+pub use toml::{clean_toml, parse_toml, to_toml};
+pub use urdf::{UrdfOptions, clean_urdf, parse_urdf};

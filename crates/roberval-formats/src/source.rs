@@ -56,9 +56,11 @@ impl<'a> Source<'a> {
                 .offset
                 .filter(|_| written.contains(literal))
                 .unwrap_or(0);
-        let mut result = self.error(error.fault.into(), offset, error.message);
-        result.hint = error.hint;
-        result
+        let result = self.error(error.fault.into(), offset, error.message);
+        match error.hint {
+            Some(hint) => result.hint(hint),
+            None => result,
+        }
     }
 }
 

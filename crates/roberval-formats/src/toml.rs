@@ -1,5 +1,6 @@
 //! Robot TOML: modified Denavit-Hartenberg frames of Khalil and Kleinfinger.
 
+mod clean;
 mod section;
 mod write;
 
@@ -13,6 +14,7 @@ use toml_edit::{Document, Item, TableLike};
 use crate::error::{Code, FormatError};
 use crate::source::{Source, check_size, stem};
 use crate::words::{nearest, quoted};
+pub use clean::clean_toml;
 use section::Section;
 pub use write::to_toml;
 

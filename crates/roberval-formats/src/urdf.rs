@@ -1,6 +1,7 @@
 //! URDF: links and joints in an XML file, frames of their own.
 
 mod assemble;
+mod clean;
 mod inertia;
 mod joint;
 mod link;
@@ -16,6 +17,7 @@ use roxmltree::{Document, Error, Node, ParsingOptions};
 use crate::error::{Code, FormatError};
 use crate::source::{Source, name_fault, stem};
 use crate::words::quoted;
+pub use clean::clean_urdf;
 use node::Element;
 
 /// The most XML nodes that are read.

@@ -1,19 +1,24 @@
 //! The robot as data.
 //!
 //! * [`RobotDescription`]: what a robot file says, with its numbers as written.
+//! * [`clean()`]: the same with rounded angles and dust set right, every change listed.
 //! * [`Mechanism`]: the valid robot with numbers, links in an order in which every
 //!   antecedent comes before its successors.
 //! * [`ParameterSpace`]: the one place that knows the order of the parameters.
 
+mod clean;
 mod description;
 mod mechanism;
 mod order;
 mod parameters;
 mod placement;
 
+pub use clean::{
+    Change, CleanMode, CleanPolicy, Cleaned, Field, NearMiss, Unit, apply, clean, revert,
+};
 pub use description::{
     Geometry, JointKind, LinkDescription, MdhGeometry, Mimic, Origin, RobotDescription,
     SourceFormat, TreeError, find_cycle,
 };
-pub use mechanism::{Link, Mechanism, MechanismError};
+pub use mechanism::{Cleaning, Link, Mechanism, MechanismError};
 pub use parameters::{ParameterId, ParameterKind, ParameterSpace};

@@ -1,1 +1,25 @@
-//! roberval-python
+//! The Python binding of roberval: take, check, call with the GIL released, convert.
+//!
+//! Python sees this module as `roberval._core`. Everything a user calls is in the Python
+//! package, which makes the arrays plain before they come here.
+
+mod answer;
+mod command;
+mod errors;
+mod options;
+mod robot;
+mod scaling;
+mod states;
+
+use pyo3::prelude::*;
+
+#[pymodule(gil_used = false)]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<robot::Robot>()?;
+    module.add_class::<answer::Answer>()?;
+    module.add_class::<answer::Comparison>()?;
+    module.add_class::<scaling::Scaling>()?;
+    module.add_function(wrap_pyfunction!(robot::catalogue, module)?)?;
+    module.add_function(wrap_pyfunction!(command::run_cli, module)?)
+}

@@ -4,14 +4,17 @@
 //!   source runs over floats, magnitudes (error bounds), finite fields and expressions.
 //! * [`Decimal`], [`Expr`], [`Quantity`]: numbers as the user wrote them, kept exactly.
 
+mod double_double;
 mod field;
 mod linear;
 mod literal;
 mod magnitude;
+mod nearest;
 mod primes;
 mod random;
 mod scalar;
 
+pub use double_double::DoubleDouble;
 pub use field::{Fp, Modulus};
 pub use linear::LinearInPi;
 pub use literal::{
@@ -19,6 +22,7 @@ pub use literal::{
     Quantity, is_constant_name,
 };
 pub use magnitude::Magnitude;
+pub use nearest::nearest_double;
 pub use primes::{is_prime, random_prime};
 pub use random::SplitMix64;
 pub use scalar::Scalar;

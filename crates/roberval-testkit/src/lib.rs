@@ -1,10 +1,13 @@
 //! Generated robots: chains and trees of every kind the method must handle, named by a
 //! seed. For tests and benches only.
 
+mod style;
+
 use roberval_mechanism::{
     Geometry, JointKind, LinkDescription, MdhGeometry, Origin, RobotDescription, SourceFormat,
 };
 use roberval_scalar::{Decimal, Expr, Quantity, SplitMix64};
+pub use style::{angles_mut, dusty, lengths_mut, literal_style, tilted};
 
 /// What kind of robots to generate.
 #[derive(Debug, Clone, Copy)]
@@ -28,8 +31,8 @@ pub struct Family {
 pub enum Angles {
     /// Multiples of 90 degrees: where regrouping happens.
     Right,
-    /// Multiples of 15 degrees.
-    Twelfths,
+    /// Multiples of 15 degrees: those that cleaning knows.
+    Fifteens,
     /// Whole degrees, rarely special.
     Oblique,
     /// Either, link by link.
@@ -87,14 +90,14 @@ impl Family {
             joint,
             active: moves,
             rotor: moves && random.uniform(0.0, 1.0) < 0.8,
-            geometry: self.geometry(random),
+            geometry: self.geometry(j, random),
             inertia: std::array::from_fn(|_| Some(decimal(random.below(2000) as i64 - 1000, -3))),
             limits: None,
             mimic: None,
         }
     }
 
-    fn geometry(&self, random: &mut SplitMix64) -> Geometry {
+    fn geometry(&self, j: usize, random: &mut SplitMix64) -> Geometry {
         if self.format == SourceFormat::Mdh {
             return Geometry::Mdh(Box::new(MdhGeometry {
                 gamma: self.angle(random, 0.3),
@@ -106,7 +109,7 @@ impl Family {
             }));
         }
         let origin = Origin {
-            joint: "generated".to_owned(),
+            joint: format!("joint {}", j + 1),
             xyz: std::array::from_fn(|_| length(random, 0.5)),
             rpy: std::array::from_fn(|_| self.angle(random, 0.5)),
         };
@@ -126,17 +129,14 @@ impl Family {
         if random.uniform(0.0, 1.0) >= probability {
             return degrees(0);
         }
-        let right = match self.angles {
-            Angles::Right => true,
-            Angles::Twelfths => return degrees(15 * (random.below(24) as i64 - 11)),
-            Angles::Oblique => false,
-            Angles::Mixed => random.below(3) > 0,
+        let (first, step) = match self.angles {
+            Angles::Right => (-90, 90),
+            Angles::Fifteens => (-180, 15),
+            Angles::Oblique => (-180, 1),
+            Angles::Mixed if random.below(3) > 0 => (-90, 90),
+            Angles::Mixed => (-180, 1),
         };
-        degrees(if right {
-            90 * (random.below(4) as i64 - 1)
-        } else {
-            random.below(360) as i64 - 180
-        })
+        degrees(first + step * random.below(360 / step as usize) as i64)
     }
 }
 
@@ -180,8 +180,6 @@ pub fn degrees(degrees: i64) -> Quantity {
 }
 
 fn number(mantissa: i64, exponent: i32) -> Expr {
-    Expr::Number(Decimal {
-        mantissa: mantissa.into(),
-        exponent,
-    })
+    let decimal = Decimal::parse(&format!("{mantissa}e{exponent}"));
+    Expr::Number(decimal.expect("a decimal"))
 }

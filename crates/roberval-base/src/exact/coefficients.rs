@@ -1,6 +1,6 @@
 //! beta from its residues: fractions, or sums of fractions times sqrt(2), sqrt(3) and
-//! sqrt(6) for robots with angles of 45, 30 or 15 degrees. What is neither is left to the
-//! floats.
+//! sqrt(6) for robots with angles of 45, 30 or 15 degrees. What is neither is left to be
+//! rounded.
 
 use num_bigint::BigInt;
 use num_rational::BigRational;

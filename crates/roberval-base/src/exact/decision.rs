@@ -5,6 +5,7 @@ use roberval_regressor::{AngleOrder, Model, NotInField};
 
 use super::coefficients::coefficients;
 use super::number::ExactNumber;
+use super::rounded::round_open_entries;
 use super::run::{Run, run};
 
 /// Fields asked at most before two must have agreed: a disagreement has a probability
@@ -22,6 +23,11 @@ pub struct ExactDecision {
     pub deleted: Vec<usize>,
     /// beta, kept x deleted.
     pub beta: Vec<Vec<ExactNumber>>,
+    /// The largest relative error that a coefficient without an exact form may have had
+    /// before it was rounded: 0 if all have one; else about 1e-28. Infinite or large if
+    /// the kept columns are not independent after all, which takes angles that stand for
+    /// generic ones and are not (0.3 and 0.6 rad).
+    pub rounding_error: f64,
     /// The primes of the fields that agreed.
     pub primes: Vec<u64>,
     /// The seeds of their random values.
@@ -72,9 +78,17 @@ pub fn decide_exactly(
     };
     let [first, second] = agreeing_runs(field)?;
     let failure = |r: &Run| r.kept.len() as f64 * r.degree as f64 / r.p as f64;
-    let beta = coefficients(&first, &second, angles, |seed, conjugate| {
+    let mut beta = coefficients(&first, &second, angles, |seed, conjugate| {
         run(mechanism, model, order, angles, seed, conjugate)
     })?;
+    let rounding_error = round_open_entries(
+        mechanism,
+        model,
+        &first.kept,
+        &first.deleted,
+        &mut beta,
+        seed,
+    )?;
     Ok(ExactDecision {
         failure_probability: failure(&first) * failure(&second),
         primes: vec![first.p, second.p],
@@ -85,7 +99,23 @@ pub fn decide_exactly(
         deleted: first.deleted,
         generic: first.generic,
         beta,
+        rounding_error,
     })
+}
+
+/// The structural rank alone: the larger of two fields' ranks.
+///
+/// # Errors
+/// [`ExactError`] if a number of the description has no place in a prime field.
+pub(crate) fn structural_rank(
+    mechanism: &Mechanism,
+    model: Model,
+    seed: u64,
+) -> Result<usize, ExactError> {
+    let angles = AngleOrder::of(&mechanism.description);
+    let order: Vec<usize> = (0..mechanism.parameters().len()).collect();
+    let rank = |seed: u64| run(mechanism, model, &order, angles, seed, 1).map(|r| r.kept.len());
+    Ok(rank(seed)?.max(rank(seed.wrapping_add(1))?))
 }
 
 /// Two runs that agree; the rank is never overestimated, so that the larger wins.

@@ -2,9 +2,10 @@
 
 use std::fmt;
 
-use num_bigint::{BigInt, BigUint};
+use num_bigint::BigInt;
 use num_rational::BigRational;
-use num_traits::{Signed, ToPrimitive, Zero};
+use num_traits::{One, Signed, Zero};
+use roberval_scalar::{DoubleDouble, nearest_double};
 
 /// One coefficient of beta.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,19 +48,49 @@ impl ExactNumber {
         !matches!(self, Self::Rounded(_))
     }
 
-    /// The nearest double of a fraction; of a sum with square roots, the nearest but for
-    /// a few units in the last place.
+    /// The nearest double.
     #[must_use]
     pub fn to_f64(&self) -> f64 {
         match self {
             Self::Rational(r) => nearest_double(r),
-            Self::Surd(terms) => {
-                let term = |(n, r): &(u32, BigRational)| nearest_double(r) * f64::from(*n).sqrt();
-                terms.iter().map(term).sum()
-            }
+            Self::Surd(terms) => rounded(terms, nearest_double),
             Self::Rounded(x) => *x,
         }
     }
+
+    /// The nearest pair of doubles; of a rounded number, that number.
+    pub(super) fn to_double_double(&self) -> DoubleDouble {
+        match self {
+            Self::Rational(r) => DoubleDouble::nearest(r),
+            Self::Surd(terms) => rounded(terms, DoubleDouble::nearest),
+            Self::Rounded(x) => (*x).into(),
+        }
+    }
+}
+
+/// A sum of fractions times square roots, by `round`: bits are added until the bounds on
+/// both sides of it round to the same. The sum is irrational, so that this ends.
+fn rounded<T: PartialEq>(terms: &[(u32, BigRational)], round: impl Fn(&BigRational) -> T) -> T {
+    let mut bits = 128_u64;
+    loop {
+        let unit = BigInt::one() << bits;
+        let sum: BigInt = terms.iter().map(|(n, r)| times_root(*n, r, bits)).sum();
+        let bound = |error: i64| round(&BigRational::new(&sum + error, unit.clone()));
+        let error = terms.len() as i64;
+        let (low, high) = (bound(-error), bound(error));
+        if low == high {
+            return low;
+        }
+        bits *= 2;
+    }
+}
+
+/// `r sqrt(n) 2^bits`, to less than one unit.
+fn times_root(n: u32, r: &BigRational, bits: u64) -> BigInt {
+    // floor(floor(x) / d) = floor(x / d): the fraction's numerator goes under the root.
+    let square = r.numer() * r.numer() * n;
+    let root = (square << (2 * bits)).sqrt() / r.denom();
+    if r.is_negative() { -root } else { root }
 }
 
 impl fmt::Display for ExactNumber {
@@ -87,69 +118,45 @@ impl fmt::Display for ExactNumber {
     }
 }
 
-/// The double nearest to a fraction (ties to even; below the normal range the last bit
-/// may be rounded twice).
-fn nearest_double(x: &BigRational) -> f64 {
-    let (n, d) = (x.numer().magnitude(), x.denom().magnitude());
-    if n.is_zero() {
-        return 0.0;
-    }
-    // 66 bits of quotient, the last of them "there is more": u128 -> f64 then rounds once.
-    let shift = 66 - (n.bits() as i64 - d.bits() as i64);
-    let (n, d) = if shift >= 0 {
-        (n << shift as u64, d.clone())
-    } else {
-        (n.clone(), d << (-shift) as u64)
-    };
-    let (quotient, rest): (BigUint, BigUint) = (&n / &d, &n % &d);
-    let sticky = u128::from(!rest.is_zero());
-    let bits = quotient.to_u128().unwrap_or(0) | sticky;
-    let magnitude = times_power_of_two(bits as f64, -shift);
-    if x.numer() < &BigInt::zero() {
-        -magnitude
-    } else {
-        magnitude
-    }
-}
-
-fn times_power_of_two(x: f64, exponent: i64) -> f64 {
-    let half = (exponent / 2).clamp(-1100, 1100) as i32;
-    let rest = (exponent - i64::from(half)).clamp(-1100, 1100) as i32;
-    x * 2_f64.powi(half) * 2_f64.powi(rest)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use roberval_scalar::{Quantity, SplitMix64};
-
-    #[test]
-    fn fractions_round_to_the_nearest_double() {
-        let mut random = SplitMix64::new(9);
-        for _ in 0..2000 {
-            // Decimal texts are read with correct rounding by the standard library.
-            let digits = random.next_u64() >> random.below(60);
-            let exponent = random.below(60) as i32 - 40;
-            let text = format!("-{digits}e{exponent}");
-            let quantity = Quantity::parse_decimal(&text).expect("a decimal");
-            let roberval_scalar::Expr::Number(decimal) = quantity.expr else {
-                panic!("a decimal is a number")
-            };
-            assert_eq!(
-                nearest_double(&decimal.to_rational()),
-                text.parse().expect("a float"),
-                "{text}"
-            );
-        }
-    }
+    use num_traits::ToPrimitive;
+    use roberval_scalar::SplitMix64;
 
     #[test]
     fn sums_with_roots_are_written_the_way_one_reads_them() {
         let r = |n: i64, d: i64| BigRational::new(n.into(), d.into());
         let surd = ExactNumber::of_terms(vec![(1, r(-1, 2)), (2, r(3, 4)), (3, r(0, 1))]);
         assert_eq!(surd.to_string(), "-1/2 + 3/4 sqrt(2)");
-        assert!((surd.to_f64() - (0.75 * 2_f64.sqrt() - 0.5)).abs() < 1e-16);
+        assert!((surd.to_f64() - (0.75 * 2_f64.sqrt() - 0.5)).abs() < 2e-16);
         assert_eq!(ExactNumber::of_terms(vec![(1, r(2, 4))]).to_string(), "1/2");
         assert!(ExactNumber::of_terms(vec![]).is_zero());
+    }
+
+    #[test]
+    fn sums_with_roots_round_to_the_nearest_double_even_when_they_cancel() {
+        let mut random = SplitMix64::new(11);
+        for _ in 0..300 {
+            // a^2 - 2 b^2 = +-1: a - b sqrt(2) is as small as 1/(2a).
+            let (mut a, mut b) = (BigInt::one(), BigInt::one());
+            for _ in 0..random.below(60) {
+                (a, b) = (&a + 2 * &b, a + b);
+            }
+            let negative = &a * &a < 2 * &b * &b;
+            let surd = ExactNumber::of_terms(vec![(1, a.clone().into()), (2, (-b.clone()).into())]);
+            // a - b sqrt(2) = (a^2 - 2 b^2)/(a + b sqrt(2)), where nothing cancels.
+            let sum = a.to_f64().expect("finite") + b.to_f64().expect("finite") * 2_f64.sqrt();
+            let expected = if negative { -1.0 / sum } else { 1.0 / sum };
+            let error = (surd.to_f64() - expected) / expected;
+            assert!(error.abs() < 1e-15, "{surd}: {error}");
+            // The double found is nearer than its neighbours: compare squares exactly.
+            let pair = surd.to_double_double();
+            assert_eq!(pair.to_f64(), surd.to_f64(), "{surd}");
+            let x = pair.to_rational();
+            let root = (BigRational::from(a) - x) / b;
+            let error = (&root * &root / BigInt::from(2) - BigRational::one()).abs();
+            assert!(nearest_double(&error) < 1e-30, "{surd}");
+        }
     }
 }

@@ -111,7 +111,7 @@ fn string(text: &str) -> String {
 }
 
 /// A number as it was written where TOML allows that, else as a string.
-fn number(quantity: &Quantity) -> String {
+pub(super) fn number(quantity: &Quantity) -> String {
     let text = &quantity.text;
     let plain = text
         .bytes()

@@ -98,6 +98,18 @@ fn floods_end_in_a_limit() {
     );
 }
 
+#[test]
+fn a_message_does_not_repeat_a_flood_of_the_file() {
+    // Found by fuzzing: the XML reader's and the expressions' messages quote whole names.
+    let name = "\u{1f916}".repeat(1000);
+    let error = urdf(&format!("<robot><{name}></robot>")).unwrap_err();
+    assert!(error.to_string().chars().count() < 1000, "{error}");
+    let constant = format!("constants.{} = 1\nconstants.b = 'W'\n", "deg".repeat(1000));
+    let error = parse_toml(&constant, "r.toml").unwrap_err();
+    assert_eq!(error.code, Code::UnknownConstant);
+    assert!(error.to_string().chars().count() < 1000, "{error}");
+}
+
 /// Links 0..=n in a chain; `joint` gives the type of the joint below link k.
 fn chain(n: usize, joint: impl Fn(usize) -> &'static str) -> String {
     let mut text = String::from("<robot name='chain'><link name='l0'/>");

@@ -9,15 +9,14 @@ use num_traits::{One, Signed, ToPrimitive, Zero};
 use roberval_mechanism::{Geometry, RobotDescription};
 use roberval_scalar::{Fp, LinearInPi, Modulus, Quantity, SplitMix64};
 
+use super::geometry::Rotation;
+
 /// Rotations of this order are always there: multiples of 3 degrees, and with them the
 /// square roots of 2, 3 and 5.
 const USUAL_ORDER: u64 = 120;
 
 /// Orders up to this leave primes enough below 2^62 to choose from.
 const LARGEST_ORDER: u64 = 1 << 40;
-
-/// Cosine and sine.
-pub(crate) type Rotation<T> = (T, T);
 
 /// The order n of the rotation whose powers are the robot's rational angles: primes must
 /// be -1 modulo n.

@@ -6,8 +6,12 @@
 //! is then that of the robot with a generic value there, and says so.
 
 mod angles;
+mod geometry;
 mod lengths;
 mod model;
+mod precise;
 
 pub use angles::AngleOrder;
+pub use geometry::RowsWorkspace;
 pub use model::{ExactModel, ExactWorkspace, NotInField};
+pub use precise::PreciseModel;

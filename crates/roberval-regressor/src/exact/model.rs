@@ -1,17 +1,12 @@
 use std::cell::Cell;
 
-use roberval_mechanism::{
-    Geometry, JointKind, LinkDescription, MdhGeometry, Mechanism, Origin, ParameterSpace,
-};
+use roberval_mechanism::{JointKind, Mechanism, ParameterSpace};
 use roberval_scalar::{Fp, Modulus, Quantity, SplitMix64};
 
-use super::angles::{AngleOrder, Angles, Rotation};
+use super::angles::{AngleOrder, Angles};
+use super::geometry::{Numbers, Rotation, RowsWorkspace, tree};
 use super::lengths::Lengths;
-use crate::vector::{Mat3, Vec3, add, apply, dot, product, scale};
-use crate::{
-    Body, Constants, DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion, Model, Tree,
-    dynamics, energy,
-};
+use crate::{Body, Constants, JointMotion, Model, Tree};
 
 /// A number of the description has no place in this field: try another prime.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -54,7 +49,7 @@ impl<'m> ExactModel<'m> {
         let description = &mechanism.description;
         let mut random = SplitMix64::new(seed);
         let pi = modulus.random(&mut random);
-        let mut build = Builder {
+        let mut numbers = FieldNumbers {
             angles: Angles::new(modulus, order, conjugate, random),
             lengths: Lengths {
                 modulus,
@@ -62,33 +57,16 @@ impl<'m> ExactModel<'m> {
                 pi,
                 roots: Cell::new(false),
             },
-            constants: Constants {
-                zero: modulus.integer(0),
-                one: modulus.integer(1),
-                half: modulus.integer(2).inverse().ok_or(NotInField::Inverse)?,
-            },
+            half: modulus.integer(2).inverse().ok_or(NotInField::Inverse)?,
         };
-        let mut dof = 0;
-        let mut bodies = Vec::with_capacity(mechanism.links.len());
-        for link in &mechanism.links {
-            let variable = (link.joint != JointKind::Fixed).then_some(dof);
-            dof += usize::from(variable.is_some());
-            let written = &description.links[link.in_file];
-            bodies.push(build.body(written, link.antecedent, variable)?);
-        }
         Ok(Self {
             modulus,
-            tree: Tree {
-                bodies,
-                gravity: build.vector(&description.gravity)?,
-                constants: build.constants,
-                dof,
-            },
+            tree: tree(mechanism, &mut numbers)?,
             space: mechanism.parameters(),
-            roots: build.angles.roots(),
-            has_roots: build.lengths.roots.get(),
-            generic: build.angles.generic_texts,
-            rotations: build.angles.generic_rotations,
+            roots: numbers.angles.roots(),
+            has_roots: numbers.lengths.roots.get(),
+            generic: numbers.angles.generic_texts,
+            rotations: numbers.angles.generic_rotations,
         })
     }
 
@@ -148,31 +126,14 @@ impl<'m> ExactModel<'m> {
         work: &mut ExactWorkspace<'m>,
         rows: &mut [Fp<'m>],
     ) {
-        rows.fill(self.tree.constants.zero);
-        work.motion.clear();
-        for body in &self.tree.bodies {
-            work.motion.push(self.motion(body, model, random));
-        }
-        let mut sink = DenseRows {
-            space: &self.space,
-            rows,
-        };
-        match model {
-            Model::D | Model::D0 => {
-                dynamics(&self.tree, &work.motion, &mut work.dynamics, &mut sink)
-            }
-            Model::H => energy(&self.tree, &work.motion, &mut work.energy, &mut sink),
-        }
+        let motion = |body: &Body<Fp<'m>>| self.motion(body, model, random);
+        work.fill(&self.tree, &self.space, model, motion, rows);
     }
 
     /// Working memory for [`ExactModel::fill`].
     #[must_use]
     pub fn workspace(&self) -> ExactWorkspace<'m> {
-        ExactWorkspace {
-            motion: Vec::with_capacity(self.tree.bodies.len()),
-            dynamics: DynamicsWorkspace::new(&self.tree),
-            energy: EnergyWorkspace::new(&self.tree),
-        }
+        RowsWorkspace::new(&self.tree)
     }
 
     /// A random motion: a rational point of the circle for a revolute joint, in units of
@@ -214,112 +175,32 @@ impl<'m> ExactModel<'m> {
 }
 
 /// Working memory of [`ExactModel::fill`].
-#[derive(Debug, Clone)]
-pub struct ExactWorkspace<'m> {
-    motion: Vec<JointMotion<Fp<'m>>>,
-    dynamics: DynamicsWorkspace<Fp<'m>>,
-    energy: EnergyWorkspace<Fp<'m>>,
-}
+pub type ExactWorkspace<'m> = RowsWorkspace<Fp<'m>>;
 
-/// Rotation to the antecedent's frame and origin in it.
-type Placement<T> = (Mat3<T>, Vec3<T>);
-
-/// Builds the bodies from what is written.
-struct Builder<'m, 'd> {
+/// Literals as numbers of the field.
+struct FieldNumbers<'m, 'd> {
     angles: Angles<'m>,
     lengths: Lengths<'m, 'd>,
-    constants: Constants<Fp<'m>>,
+    half: Fp<'m>,
 }
 
-impl<'m> Builder<'m, '_> {
-    fn body(
-        &mut self,
-        link: &LinkDescription,
-        antecedent: Option<usize>,
-        variable: Option<usize>,
-    ) -> Result<Body<Fp<'m>>, NotInField> {
-        let Constants { zero, one, .. } = self.constants;
-        let (rotation, origin, axis) = match &link.geometry {
-            Geometry::Mdh(g) => {
-                let (rotation, origin) = self.mdh(g)?;
-                (rotation, origin, [zero, zero, one])
-            }
-            Geometry::Placed { origins, axis } => {
-                let (rotation, origin) = self.chain(origins)?;
-                (rotation, origin, self.vector(axis)?)
-            }
-        };
-        Ok(Body {
-            antecedent,
-            joint: link.joint,
-            variable,
-            rotor: link.rotor,
-            rotation,
-            origin,
-            axis,
-            axis_squared: dot(axis, axis),
-        })
-    }
+impl<'m> Numbers for FieldNumbers<'m, '_> {
+    type Number = Fp<'m>;
+    type Error = NotInField;
 
-    /// Rot(z, gamma) Trans(z, b) Rot(x, alpha) Trans(x, d) Rot(z, theta) Trans(z, r).
-    fn mdh(&mut self, g: &MdhGeometry) -> Result<Placement<Fp<'m>>, NotInField> {
-        let Constants { zero, one, .. } = self.constants;
-        let z = [zero, zero, one];
-        let gamma = self.rot_z(&g.gamma);
-        let alpha = self.rot_x(&g.alpha);
-        let twist = product(&gamma, &alpha);
-        let theta = self.rot_z(&g.theta);
-        let arm = [self.length(&g.d)?, zero, self.length(&g.r)?];
-        let origin = add(scale(z, self.length(&g.b)?), apply(&twist, arm));
-        Ok((product(&twist, &theta), origin))
-    }
-
-    /// Trans(xyz) Rot(z, yaw) Rot(y, pitch) Rot(x, roll), one after the other.
-    fn chain(&mut self, origins: &[Origin]) -> Result<Placement<Fp<'m>>, NotInField> {
-        let Constants { zero, one, .. } = self.constants;
-        let mut rotation = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
-        let mut position = [zero; 3];
-        for origin in origins {
-            position = add(position, apply(&rotation, self.vector(&origin.xyz)?));
-            let [roll, pitch, yaw] = &origin.rpy;
-            for turn in [self.rot_z(yaw), self.rot_y(pitch), self.rot_x(roll)] {
-                rotation = product(&rotation, &turn);
-            }
+    fn constants(&self) -> Constants<Fp<'m>> {
+        Constants {
+            zero: self.lengths.modulus.integer(0),
+            one: self.lengths.modulus.integer(1),
+            half: self.half,
         }
-        Ok((rotation, position))
     }
 
-    fn length(&self, quantity: &Quantity) -> Result<Fp<'m>, NotInField> {
+    fn rotation(&mut self, angle: &Quantity) -> Result<Rotation<Fp<'m>>, NotInField> {
+        Ok(self.angles.rotation(angle, self.lengths.constants))
+    }
+
+    fn value(&mut self, quantity: &Quantity) -> Result<Fp<'m>, NotInField> {
         self.lengths.value(quantity, &self.angles)
-    }
-
-    fn vector(&self, v: &[Quantity; 3]) -> Result<Vec3<Fp<'m>>, NotInField> {
-        Ok([
-            self.length(&v[0])?,
-            self.length(&v[1])?,
-            self.length(&v[2])?,
-        ])
-    }
-
-    fn angle(&mut self, angle: &Quantity) -> Rotation<Fp<'m>> {
-        self.angles.rotation(angle, self.lengths.constants)
-    }
-
-    fn rot_x(&mut self, angle: &Quantity) -> Mat3<Fp<'m>> {
-        let Constants { zero, one, .. } = self.constants;
-        let (c, s) = self.angle(angle);
-        [[one, zero, zero], [zero, c, -s], [zero, s, c]]
-    }
-
-    fn rot_y(&mut self, angle: &Quantity) -> Mat3<Fp<'m>> {
-        let Constants { zero, one, .. } = self.constants;
-        let (c, s) = self.angle(angle);
-        [[c, zero, s], [zero, one, zero], [-s, zero, c]]
-    }
-
-    fn rot_z(&mut self, angle: &Quantity) -> Mat3<Fp<'m>> {
-        let Constants { zero, one, .. } = self.constants;
-        let (c, s) = self.angle(angle);
-        [[c, -s, zero], [s, c, zero], [zero, zero, one]]
     }
 }

@@ -68,10 +68,11 @@ impl Decimal {
         if mantissa.is_zero() {
             return Ok(Self::zero());
         }
-        Ok(Self {
-            mantissa,
-            exponent: power - fraction.len() as i32 + dropped,
-        })
+        let exponent = power - fraction.len() as i32 + dropped;
+        if exponent.abs() > MAX_EXPONENT {
+            return Err(out_of_range(text));
+        }
+        Ok(Self { mantissa, exponent })
     }
 
     /// `-self`
@@ -155,10 +156,12 @@ fn exponent(text: &str) -> Result<i32, LiteralError> {
     text.parse()
         .ok()
         .filter(|e: &i32| e.abs() <= MAX_EXPONENT)
-        .ok_or_else(|| {
-            LiteralError::not_finite(format!("the exponent {} is out of range", quoted(text)))
-                .hint(format!("at most +-{MAX_EXPONENT}"))
-        })
+        .ok_or_else(|| out_of_range(text))
+}
+
+fn out_of_range(text: &str) -> LiteralError {
+    LiteralError::not_finite(format!("the exponent {} is out of range", quoted(text)))
+        .hint(format!("at most +-{MAX_EXPONENT}"))
 }
 
 pub(super) fn too_long(text: &str) -> LiteralError {

@@ -56,6 +56,19 @@ fn equal_decimals_have_one_form() {
 }
 
 #[test]
+fn a_decimal_at_the_end_of_the_range_reads_back_or_is_refused() {
+    // Found by fuzzing: the digits moved the exponent beyond the range.
+    for text in [".1e-9999", "10e9999", "1.5e-9999"] {
+        let error = Decimal::parse(text).unwrap_err();
+        assert_eq!(error.fault, LiteralFault::NotFinite, "{text}");
+    }
+    for text in ["1e-9999", "10e-9999", "-.5e9999"] {
+        let decimal = Decimal::parse(text).unwrap();
+        assert_eq!(Decimal::parse(&decimal.to_string()), Ok(decimal), "{text}");
+    }
+}
+
+#[test]
 fn degrees_equal_the_fractions_of_pi() {
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_8, PI};
     assert_eq!(angle("-90 deg"), -FRAC_PI_2);

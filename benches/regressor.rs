@@ -1,0 +1,46 @@
+//! The regressor: one state, a batch of 1000, and torques without storing d.
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use roberval_base::Samples;
+use roberval_benches::{robots, short};
+use roberval_regressor::{Model, Regressor};
+
+const BATCH: usize = 1000;
+
+fn rows(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("regressor");
+    for (name, robot) in robots() {
+        let regressor = Regressor::new(&robot);
+        for (model, count) in [(Model::D, 1), (Model::D, BATCH), (Model::H, BATCH)] {
+            let samples = Samples::draw(&robot, count, 1);
+            let size = count * model.rows(robot.dof()) * regressor.parameters().len();
+            let mut out = vec![0.0; size];
+            group.throughput(Throughput::Elements(count as u64));
+            let id = BenchmarkId::new(format!("{} x {count}", model.name()), name);
+            group.bench_function(id, |b| {
+                b.iter(|| regressor.fill(model, samples.states(), &mut out));
+            });
+        }
+    }
+}
+
+fn torques(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("torques");
+    group.throughput(Throughput::Elements(BATCH as u64));
+    for (name, robot) in robots() {
+        let regressor = Regressor::new(&robot);
+        let samples = Samples::draw(&robot, BATCH, 1);
+        let x = vec![1.0; regressor.parameters().len()];
+        let mut out = vec![0.0; BATCH * robot.dof()];
+        group.bench_function(BenchmarkId::new(format!("x {BATCH}"), name), |b| {
+            b.iter(|| regressor.torques(&x, samples.states(), &mut out));
+        });
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = short();
+    targets = rows, torques
+}
+criterion_main!(benches);

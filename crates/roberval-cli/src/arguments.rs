@@ -1,0 +1,343 @@
+//! The command line as clap sees it.
+
+use std::path::PathBuf;
+
+use clap::builder::{NonEmptyStringValueParser, PossibleValuesParser, TypedValueParser};
+use clap::{Args, ColorChoice, Parser, Subcommand};
+use roberval_base::{Choice, Engine, Model, Options, Tolerance};
+use roberval_mechanism::CleanMode;
+use roberval_scalar::Quantity;
+use roberval_tables::Format;
+
+use crate::error::CliError;
+
+const EXAMPLES: &str = "\
+Examples:
+  roberval show                               the built-in robots
+  roberval base puma560                       the tables of Gautier's paper
+  roberval base arm.urdf --format json        for programs
+  roberval base arm.toml --keep MX_2,MY_2     prefer these parameters
+  roberval compare arm.urdf                   all models, all engines
+  roberval clean arm.urdf -o clean.urdf       1.5708 becomes pi/2
+  roberval regressor arm.urdf states.csv -o W.npy
+  roberval scale arm.urdf --format csv        well scaled samples
+
+Exit codes: 0 clear, 1 computed but doubtful or engines disagree, 2 bad input.";
+
+const BASE: &str = "\
+LABELS are KIND_LINK with commas between them, such as MX_2,YY_forearm; the kinds are XX XY XZ
+YY YZ ZZ MX MY MZ M Ia. csv has a row for each standard parameter and a column for each base
+parameter that others regroup into: its sum-product with X is XB.
+
+Examples:
+  roberval base puma560 --engine svd --model h
+  roberval base arm.urdf --choice pivoted --format latex -o tables.tex
+  roberval base arm.urdf --gravity 0,-9.81,0 --drop M_tool";
+
+const STATES: &str = "\
+States are a CSV file with the columns q_1.., qd_1.. and qdd_1.. (or q_NAME with the name of
+the joint or of its link) in any order, or an NPZ file with the arrays q, qd and qdd of shape
+(N, n). Model d0 needs no qd, model h no qdd.
+
+The array has the shape (N, n, C) for d and d0 and (N, C) for h, in C order, C being the
+standard parameters in the order of `roberval show`, or the base parameters with --base.
+Only differences of the rows of h mean anything.";
+
+const SCALE: &str = "\
+The table shows what the search gained over random samples. --format csv writes the samples
+found, in the form that `roberval regressor` reads; --format json has both.";
+
+/// Base inertial parameters of robots, after Gautier (1991).
+#[derive(Debug, Parser)]
+#[command(name = "roberval", version, about, after_help = EXAMPLES, color = ColorChoice::Never)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Show a robot as it is understood; without a robot, list the built-in ones
+    Show(ShowArgs),
+    /// Find the base parameters and how the others regroup onto them
+    #[command(after_help = BASE)]
+    Base(BaseArgs),
+    /// Analyse all models by all engines and tell whether they agree
+    Compare(CompareArgs),
+    /// Write a robot file with its rounded angles and dust set right
+    Clean(CleanArgs),
+    /// Write the regressor at joint states from a file as a NumPy array
+    #[command(after_help = STATES)]
+    Regressor(RegressorArgs),
+    /// Search for samples that scale W (section 4 of the paper's method)
+    #[command(after_help = SCALE)]
+    Scale(ScaleArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ShowArgs {
+    /// Name of a built-in robot, or a robot TOML or URDF file
+    #[arg(value_parser = NonEmptyStringValueParser::new())]
+    pub robot: Option<String>,
+    #[command(flatten)]
+    pub reading: ReadingArgs,
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BaseArgs {
+    #[command(flatten)]
+    pub robot: RobotArgs,
+    #[command(flatten)]
+    pub method: MethodArgs,
+    #[command(flatten)]
+    pub choice: ChoiceArgs,
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CompareArgs {
+    #[command(flatten)]
+    pub robot: RobotArgs,
+    #[command(flatten)]
+    pub choice: ChoiceArgs,
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RegressorArgs {
+    #[command(flatten)]
+    pub robot: RobotArgs,
+    /// Joint states: CSV or NPZ
+    pub states: PathBuf,
+    /// Only the columns of the base parameters: the reduced model
+    #[arg(long)]
+    pub base: bool,
+    #[command(flatten)]
+    pub method: MethodArgs,
+    #[command(flatten)]
+    pub choice: ChoiceArgs,
+    /// The NPY file to write (replaced as a whole or not at all); - is the standard output
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ScaleArgs {
+    #[command(flatten)]
+    pub robot: RobotArgs,
+    /// The linear model: dynamic, dynamic at rest, energy
+    #[arg(long, default_value = "h", value_parser = model())]
+    pub model: Model,
+    /// Names the random starts: the same seed, the same samples
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Rows of W [default: its columns]
+    #[arg(long, value_name = "R", value_parser = rows)]
+    pub rows: Option<usize>,
+    /// The S = max|Wij| / min|Wij| to stop at
+    #[arg(long, value_name = "S", default_value = "100", value_parser = positive)]
+    pub target: f64,
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CleanArgs {
+    /// A robot TOML or URDF file, or the name of a built-in robot
+    #[arg(value_parser = NonEmptyStringValueParser::new())]
+    pub robot: String,
+    /// Set coarse roundings such as 1.57 right too
+    #[arg(long)]
+    pub aggressive: bool,
+    /// Write the cleaned text to this file (replaced as a whole or not at all)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RobotArgs {
+    /// Name of a built-in robot, or a robot TOML or URDF file
+    #[arg(value_parser = NonEmptyStringValueParser::new())]
+    pub robot: String,
+    #[command(flatten)]
+    pub reading: ReadingArgs,
+}
+
+/// How a robot file is read.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct ReadingArgs {
+    /// Keep links on fixed joints of a URDF as links of their own
+    #[arg(long)]
+    pub keep_fixed: bool,
+    /// Rounded angles (1.5708) and dust of the robot file: set right (default), taken as
+    /// written (off), or coarse roundings such as 1.57 set right too (aggressive)
+    #[arg(long, default_value = "default", value_parser = snap())]
+    pub snap: CleanMode,
+    /// Gravity in the base frame, m/s^2, instead of the robot file's
+    #[arg(long, value_name = "X,Y,Z", value_parser = gravity, allow_hyphen_values = true)]
+    pub gravity: Option<Gravity>,
+}
+
+/// Three numbers as written.
+#[derive(Debug, Clone)]
+pub(crate) struct Gravity(pub [Quantity; 3]);
+
+#[derive(Debug, Clone, Args)]
+pub(crate) struct MethodArgs {
+    /// The linear model: dynamic, dynamic at rest, energy
+    #[arg(long, default_value = Model::default().name(), value_parser = model())]
+    pub model: Model,
+    /// The route to rank and relations
+    #[arg(long, default_value = Engine::default().name(), value_parser = engine())]
+    pub engine: Engine,
+    /// Rows of W [default: at least twice its columns]
+    #[arg(long, value_name = "R", value_parser = rows)]
+    pub rows: Option<usize>,
+}
+
+#[derive(Debug, Clone, Args)]
+pub(crate) struct ChoiceArgs {
+    /// Names the random samples: the same seed, the same answer
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Which parameters to keep: those of smallest subscript (paper), the best
+    /// conditioned (pivoted), or those preferred by --keep and --drop [default: paper]
+    #[arg(long, value_parser = ["paper", "pivoted", "prefer"])]
+    pub choice: Option<String>,
+    /// Parameters to keep if possible, the most important first
+    #[arg(long, value_name = "LABELS", value_delimiter = ',')]
+    pub keep: Vec<String>,
+    /// Parameters to regroup away if possible, the least wanted first
+    #[arg(long, value_name = "LABELS", value_delimiter = ',')]
+    pub drop: Vec<String>,
+    /// Judge the rank by the paper's tau = r |T11| EPS; EPS is that of doubles, 2.2e-16,
+    /// unless given (the paper's VAX had 1.4e-17)
+    #[arg(
+        long,
+        value_name = "EPS",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "2.220446049250313e-16"
+    )]
+    pub paper_tolerance: Option<f64>,
+}
+
+#[derive(Debug, Clone, Args)]
+pub(crate) struct OutputArgs {
+    /// How the result is written
+    #[arg(long, default_value = Format::default().name(), value_parser = format())]
+    pub format: Format,
+    /// Write the result to this file (replaced as a whole or not at all)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+impl MethodArgs {
+    /// The options of the method.
+    pub fn options(&self, choice: &ChoiceArgs) -> Result<Options, CliError> {
+        Ok(Options {
+            model: self.model,
+            engine: self.engine,
+            choice: choice.choice()?,
+            tolerance: choice.tolerance(),
+            seed: choice.seed,
+            rows: self.rows,
+        })
+    }
+}
+
+impl ChoiceArgs {
+    /// The rule of choice; preferences imply `prefer`.
+    pub fn choice(&self) -> Result<Choice, CliError> {
+        let preferences = !(self.keep.is_empty() && self.drop.is_empty());
+        match self.choice.as_deref() {
+            Some(rule @ ("paper" | "pivoted")) if preferences => Err(CliError::Usage(format!(
+                "--choice {rule} and --keep or --drop contradict each other: leave --choice out, \
+                 or say --choice prefer"
+            ))),
+            Some("prefer") if !preferences => Err(CliError::Usage(
+                "--choice prefer needs --keep LABELS or --drop LABELS, such as --keep MX_2,MY_2"
+                    .to_owned(),
+            )),
+            Some("pivoted") => Ok(Choice::Pivoted),
+            _ if preferences => Ok(Choice::Prefer {
+                keep: self.keep.clone(),
+                drop: self.drop.clone(),
+            }),
+            _ => Ok(Choice::Paper),
+        }
+    }
+
+    /// When a number counts as zero.
+    pub fn tolerance(&self) -> Tolerance {
+        match self.paper_tolerance {
+            Some(eps) => Tolerance::Paper { eps },
+            None => Tolerance::default(),
+        }
+    }
+}
+
+/// One of `values`, by its name.
+fn named<T: Copy + Default + Send + Sync + 'static>(
+    values: &'static [T],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    let names: Vec<&str> = values.iter().map(|v| name(*v)).collect();
+    // The parser before has refused every other word.
+    PossibleValuesParser::new(names).map(move |word| {
+        let found = values.iter().find(|v| name(**v) == word);
+        found.copied().unwrap_or_default()
+    })
+}
+
+fn model() -> impl TypedValueParser<Value = Model> {
+    named(&Model::ALL, Model::name)
+}
+
+fn engine() -> impl TypedValueParser<Value = Engine> {
+    named(&Engine::ALL, Engine::name)
+}
+
+fn snap() -> impl TypedValueParser<Value = CleanMode> {
+    PossibleValuesParser::new(["default", "off", "aggressive"]).map(|word| match word.as_str() {
+        "off" => CleanMode::Off,
+        "aggressive" => CleanMode::Aggressive,
+        _ => CleanMode::Default,
+    })
+}
+
+fn format() -> impl TypedValueParser<Value = Format> {
+    named(&Format::ALL, Format::name)
+}
+
+fn rows(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(0) | Err(_) => Err("expected a whole number of rows, at least 1".to_owned()),
+        Ok(rows) => Ok(rows),
+    }
+}
+
+/// A number above zero.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
+        _ => Err("expected a number above 0".to_owned()),
+    }
+}
+
+fn gravity(text: &str) -> Result<Gravity, String> {
+    let numbers: Vec<Quantity> = text
+        .split(',')
+        .map(Quantity::parse_decimal)
+        .collect::<Result<_, _>>()
+        .map_err(|error| format!("{error}; expected three numbers such as 0,0,-9.81"))?;
+    let found = numbers.len();
+    let three = <[Quantity; 3]>::try_from(numbers);
+    three
+        .map(Gravity)
+        .map_err(|_| format!("{found} numbers, expected three such as 0,0,-9.81"))
+}

@@ -1,0 +1,158 @@
+//! The subcommands.
+
+use std::io::Write;
+use std::ops::ControlFlow;
+
+use roberval_base::{ScalingOptions, base_parameters};
+use roberval_formats::{catalogue, clean_file};
+use roberval_mechanism::{CleanMode, Mechanism};
+use roberval_tables::{self as tables, Format, RobotEntry};
+
+use crate::arguments::{
+    BaseArgs, CleanArgs, Command, CompareArgs, OutputArgs, ScaleArgs, ShowArgs,
+};
+use crate::error::CliError;
+use crate::output::Target;
+use crate::robot::{load, policy};
+use crate::{CLEAR, DOUBTFUL, regressor, say};
+
+/// Runs a subcommand; gives the exit code.
+pub(crate) fn execute(
+    command: &Command,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> Result<i32, CliError> {
+    match command {
+        Command::Show(args) => show(args, out),
+        Command::Base(args) => base(args, out, err),
+        Command::Compare(args) => compare(args, out, err),
+        Command::Clean(args) => clean(args, out, err),
+        Command::Regressor(args) => regressor::run(args, out, err),
+        Command::Scale(args) => scale(args, out, err),
+    }
+}
+
+fn show(args: &ShowArgs, out: &mut dyn Write) -> Result<i32, CliError> {
+    answer(&args.output, out, |format| match &args.robot {
+        Some(robot) => Ok(tables::show(&load(robot, &args.reading)?, format)),
+        None => Ok(list(format)),
+    })?;
+    Ok(CLEAR)
+}
+
+/// The built-in robots.
+fn list(format: Format) -> String {
+    let entry = |e: &roberval_formats::CatalogueEntry| RobotEntry {
+        name: e.name,
+        title: e.title,
+        source: e.source,
+    };
+    let robots: Vec<RobotEntry> = catalogue().iter().map(entry).collect();
+    tables::catalogue(&robots, format)
+}
+
+fn base(args: &BaseArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
+    let options = args.method.options(&args.choice)?;
+    let mut doubts = Vec::new();
+    answer(&args.output, out, |format| {
+        let mechanism = load(&args.robot.robot, &args.robot.reading)?;
+        warn(&mechanism, err);
+        let answer = base_parameters(&mechanism, &options)?;
+        let messages = &answer.diagnosis.messages;
+        if answer.diagnosis.clear {
+            messages.iter().for_each(|m| say(err, "note", m));
+        } else {
+            doubts.clone_from(messages);
+        }
+        Ok(tables::base(&answer, format))
+    })?;
+    Ok(verdict(&doubts, err))
+}
+
+fn clean(args: &CleanArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
+    let target = Target::new(args.output.as_deref())?;
+    let mode = if args.aggressive {
+        CleanMode::Aggressive
+    } else {
+        CleanMode::Default
+    };
+    let (text, changes, near_misses) = clean_file(&args.robot, &policy(mode))?;
+    for change in changes.iter().filter(|c| !c.is_last_digit()) {
+        say(err, "changed", &change.to_string());
+    }
+    for near_miss in &near_misses {
+        say(err, "warning", &near_miss.to_string());
+    }
+    let exact = changes.iter().filter(|c| c.is_last_digit()).count();
+    let count = changes.len() - exact;
+    say(
+        err,
+        "note",
+        &format!("{count} numbers changed, {exact} more were exact to the last digit"),
+    );
+    target.write(out, |sink| sink.write_all(text.as_bytes()))?;
+    Ok(CLEAR)
+}
+
+fn compare(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
+    let (choice, tolerance) = (args.choice.choice()?, args.choice.tolerance());
+    let mut doubts = Vec::new();
+    answer(&args.output, out, |format| {
+        let mechanism = load(&args.robot.robot, &args.robot.reading)?;
+        warn(&mechanism, err);
+        let comparison = roberval_base::compare(&mechanism, &choice, tolerance, args.choice.seed)?;
+        doubts = tables::doubts(&comparison);
+        Ok(tables::compare(&comparison, format))
+    })?;
+    Ok(verdict(&doubts, err))
+}
+
+fn scale(args: &ScaleArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
+    let options = ScalingOptions {
+        model: args.model,
+        seed: args.seed,
+        rows: args.rows,
+        target: args.target,
+        ..ScalingOptions::default()
+    };
+    let mut doubts = Vec::new();
+    answer(&args.output, out, |format| {
+        let mechanism = load(&args.robot.robot, &args.robot.reading)?;
+        warn(&mechanism, err);
+        let scaling = roberval_base::scale(&mechanism, &options, |_| ControlFlow::Continue(()))?;
+        let (before, after) = (scaling.before.rank, scaling.after.rank);
+        if before != after {
+            doubts.push(format!(
+                "the rank is {before} at random samples and {after} at those found"
+            ));
+        }
+        Ok(tables::scale(&mechanism, &options, &scaling, format))
+    })?;
+    Ok(verdict(&doubts, err))
+}
+
+/// Computes a text and writes it where it belongs; a bad `-o` is told before computing.
+fn answer(
+    output: &OutputArgs,
+    out: &mut dyn Write,
+    compute: impl FnOnce(Format) -> Result<String, CliError>,
+) -> Result<(), CliError> {
+    let target = Target::new(output.output.as_deref())?;
+    let text = compute(output.format)?;
+    target.write(out, |sink| sink.write_all(text.as_bytes()))
+}
+
+/// Tells what the reader of the robot file noticed.
+fn warn(mechanism: &Mechanism, err: &mut dyn Write) {
+    for warning in &mechanism.description.warnings {
+        say(err, "warning", warning);
+    }
+}
+
+/// Tells the doubts; gives the exit code.
+fn verdict(doubts: &[String], err: &mut dyn Write) -> i32 {
+    for doubt in doubts {
+        say(err, "doubt", doubt);
+    }
+    if doubts.is_empty() { CLEAR } else { DOUBTFUL }
+}

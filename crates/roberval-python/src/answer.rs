@@ -1,0 +1,193 @@
+//! Base parameters and comparisons as Python reads them.
+
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
+use pyo3::prelude::*;
+use roberval_base::{self as base, BaseParameters};
+
+use roberval_tables as tables;
+
+use crate::errors::detached;
+use crate::options::rendering;
+use crate::scaling::matrix;
+use crate::states::vector;
+
+/// The base parameters of a robot, immutable. Columns are numbers into the robot's labels.
+#[pyclass(frozen, module = "roberval._core")]
+pub struct Answer {
+    answer: BaseParameters,
+}
+
+impl Answer {
+    pub fn new(answer: BaseParameters) -> Self {
+        Self { answer }
+    }
+}
+
+#[pymethods]
+impl Answer {
+    #[getter]
+    fn model(&self) -> &'static str {
+        self.answer.model.name()
+    }
+
+    #[getter]
+    fn engine(&self) -> &'static str {
+        self.answer.engine.name()
+    }
+
+    #[getter]
+    fn choice(&self) -> &'static str {
+        self.answer.choice.name()
+    }
+
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.answer.seed
+    }
+
+    #[getter]
+    fn rows(&self) -> usize {
+        self.answer.rows
+    }
+
+    #[getter]
+    fn no_effect(&self) -> Vec<usize> {
+        self.answer.no_effect.clone()
+    }
+
+    #[getter]
+    fn base(&self) -> Vec<usize> {
+        self.answer.base.clone()
+    }
+
+    #[getter]
+    fn regrouped(&self) -> Vec<usize> {
+        self.answer.regrouped.clone()
+    }
+
+    #[getter]
+    fn unchanged(&self) -> Vec<usize> {
+        self.answer.unchanged.clone()
+    }
+
+    #[getter]
+    fn regrouped_into(&self) -> Vec<usize> {
+        self.answer.regrouped_into.clone()
+    }
+
+    /// beta, b x (c - b).
+    fn beta<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        matrix(py, &self.answer.beta)
+    }
+
+    #[getter]
+    fn clear(&self) -> bool {
+        self.answer.diagnosis.clear
+    }
+
+    fn spectrum<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.answer.diagnosis.spectrum)
+    }
+
+    #[getter]
+    fn spectrum_columns(&self) -> Vec<usize> {
+        self.answer.diagnosis.spectrum_columns.clone()
+    }
+
+    #[getter]
+    fn tolerance(&self) -> f64 {
+        self.answer.diagnosis.tolerance
+    }
+
+    #[getter]
+    fn gap(&self) -> Option<f64> {
+        self.answer.diagnosis.gap
+    }
+
+    #[getter]
+    fn residual(&self) -> f64 {
+        self.answer.diagnosis.residual
+    }
+
+    #[getter]
+    fn messages(&self) -> Vec<String> {
+        self.answer.diagnosis.messages.clone()
+    }
+
+    /// The relations that are not trivial, in the field's notation.
+    #[getter]
+    fn relations(&self) -> Vec<String> {
+        tables::relations(&self.answer)
+    }
+
+    fn render(&self, py: Python<'_>, format: &str) -> PyResult<String> {
+        let format = rendering(py, format)?;
+        Ok(tables::base(&self.answer, format))
+    }
+
+    /// XR1 = X1 + beta (X2 - XR2).
+    fn regrouped_values<'py>(
+        &self,
+        py: Python<'py>,
+        x: PyReadonlyArray1<'py, f64>,
+        xr2: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (x, xr2) = (vector(&x)?, vector(&xr2)?);
+        let values = detached(py, || self.answer.regrouped_values(&x, &xr2))?;
+        Ok(PyArray1::from_vec(py, values))
+    }
+
+    /// XM = V1 V1' X.
+    fn minimum_norm<'py>(
+        &self,
+        py: Python<'py>,
+        x: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let x = vector(&x)?;
+        let values = detached(py, || self.answer.minimum_norm(&x))?;
+        Ok(PyArray1::from_vec(py, values))
+    }
+}
+
+/// All models by all engines.
+#[pyclass(frozen, module = "roberval._core")]
+pub struct Comparison {
+    comparison: base::Comparison,
+}
+
+impl Comparison {
+    pub fn new(comparison: base::Comparison) -> Self {
+        Self { comparison }
+    }
+}
+
+#[pymethods]
+impl Comparison {
+    #[getter]
+    fn agree(&self) -> bool {
+        self.comparison.agree
+    }
+
+    /// The answer, whether its columns are the first route's, and the difference of beta.
+    #[getter]
+    fn routes(&self) -> Vec<(Answer, bool, f64)> {
+        let routes = self.comparison.routes.iter();
+        routes
+            .map(|route| {
+                let answer = Answer::new(route.answer.clone());
+                (answer, route.same_columns, route.beta_difference)
+            })
+            .collect()
+    }
+
+    /// Why the routes are not one clear answer; empty if they are.
+    #[getter]
+    fn doubts(&self) -> Vec<String> {
+        tables::doubts(&self.comparison)
+    }
+
+    fn render(&self, py: Python<'_>, format: &str) -> PyResult<String> {
+        let format = rendering(py, format)?;
+        Ok(tables::compare(&self.comparison, format))
+    }
+}

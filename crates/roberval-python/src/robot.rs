@@ -1,0 +1,271 @@
+//! A robot: its description and its regressor.
+
+use numpy::{PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use roberval_base::{base_parameters, base_parameters_at, compare};
+use roberval_formats::{FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml};
+use roberval_mechanism::{JointKind, Mechanism, RobotDescription, SourceFormat};
+use roberval_regressor::Regressor;
+use roberval_tables as tables;
+
+use crate::answer::{Answer, Comparison};
+use crate::errors::{IntoPython, detached};
+use crate::options::{self, OptionArguments, rendering};
+use crate::scaling::{self, Scaling, ScalingArguments};
+use crate::states::{OwnedStates, vector};
+
+/// A robot, immutable.
+#[pyclass(frozen, module = "roberval._core")]
+pub struct Robot {
+    /// A URDF's text, for pickling; robot TOML can be written anew.
+    urdf: Option<(String, bool)>,
+    mechanism: Mechanism,
+    regressor: Regressor,
+}
+
+/// Name, joint name, antecedent, kind, active, rotor of a link.
+type LinkRow = (
+    String,
+    Option<String>,
+    Option<String>,
+    &'static str,
+    bool,
+    bool,
+);
+
+#[pymethods]
+impl Robot {
+    /// A built-in robot by name, or a robot file.
+    #[staticmethod]
+    fn load(py: Python<'_>, path_or_name: &str, keep_fixed: bool) -> PyResult<Self> {
+        let options = UrdfOptions { keep_fixed };
+        let description = detached(py, || load_with(path_or_name, options))?;
+        let urdf = match description.format {
+            SourceFormat::Mdh => None,
+            SourceFormat::Urdf => Some((std::fs::read_to_string(path_or_name)?, keep_fixed)),
+        };
+        Self::of(py, description, urdf)
+    }
+
+    /// A robot from the text of a robot TOML.
+    #[staticmethod]
+    fn from_toml(py: Python<'_>, text: &str, source: &str) -> PyResult<Self> {
+        let description = detached(py, || parse_toml(text, source))?;
+        Self::of(py, description, None)
+    }
+
+    /// As `from_toml` for a text that no user has seen: errors without line numbers.
+    #[staticmethod]
+    fn from_rows(py: Python<'_>, text: &str, source: &str) -> PyResult<Self> {
+        let description = detached(py, || {
+            parse_toml(text, source).map_err(|error| FormatError {
+                position: None,
+                ..error
+            })
+        })?;
+        Self::of(py, description, None)
+    }
+
+    /// A robot from the text of a URDF.
+    #[staticmethod]
+    fn from_urdf(py: Python<'_>, text: &str, source: &str, keep_fixed: bool) -> PyResult<Self> {
+        let description = detached(py, || parse_urdf(text, source, UrdfOptions { keep_fixed }))?;
+        Self::of(py, description, Some((text.to_owned(), keep_fixed)))
+    }
+
+    fn to_toml(&self, py: Python<'_>) -> PyResult<String> {
+        to_toml(&self.mechanism.description).map_err(|error| error.into_python(py))
+    }
+
+    fn render(&self, py: Python<'_>, format: &str) -> PyResult<String> {
+        let format = rendering(py, format)?;
+        Ok(tables::show(&self.mechanism, format))
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.mechanism.name
+    }
+
+    /// Format, text, name and `keep_fixed`, from which the robot can be made again.
+    fn state(&self, py: Python<'_>) -> PyResult<(&'static str, String, &str, bool)> {
+        let name = self.mechanism.name.as_str();
+        Ok(match &self.urdf {
+            Some((text, keep_fixed)) => ("urdf", text.clone(), name, *keep_fixed),
+            None => ("toml", self.to_toml(py)?, name, false),
+        })
+    }
+
+    /// Whether two descriptions are the same, literal by literal.
+    fn same(&self, other: &Self) -> bool {
+        self.mechanism.description == other.mechanism.description
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.mechanism.description.warnings.clone()
+    }
+
+    #[getter]
+    fn gravity(&self) -> [f64; 3] {
+        self.mechanism.gravity.into()
+    }
+
+    #[getter]
+    fn dof(&self) -> usize {
+        self.regressor.dof()
+    }
+
+    #[getter]
+    fn links(&self) -> Vec<LinkRow> {
+        let links = &self.mechanism.links;
+        links
+            .iter()
+            .map(|link| {
+                let joint = match link.joint {
+                    JointKind::Revolute => "revolute",
+                    JointKind::Prismatic => "prismatic",
+                    JointKind::Fixed => "fixed",
+                };
+                (
+                    link.name.clone(),
+                    link.joint_name.clone(),
+                    link.antecedent.map(|a| links[a].name.clone()),
+                    joint,
+                    link.active,
+                    link.rotor,
+                )
+            })
+            .collect()
+    }
+
+    /// The labels of the C columns.
+    #[getter]
+    fn labels(&self) -> Vec<String> {
+        self.regressor.parameters().labels().to_vec()
+    }
+
+    /// For each column, whether the robot file gives its value.
+    #[getter]
+    fn known(&self) -> Vec<bool> {
+        let ids = self.regressor.parameters().ids();
+        ids.iter()
+            .map(|id| self.mechanism.links[id.link].inertia[id.kind as usize].is_some())
+            .collect()
+    }
+
+    /// X, C numbers; None where the file gives no value at all.
+    fn standard_parameters<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        let x = self.mechanism.standard_parameters()?;
+        Some(PyArray1::from_vec(py, x))
+    }
+
+    /// Rows of d, d0 or h into `out`: all columns, or those listed.
+    #[allow(clippy::too_many_arguments)] // the signature is Python's
+    fn regressor(
+        &self,
+        py: Python<'_>,
+        model: &str,
+        columns: Option<Vec<usize>>,
+        q: PyReadonlyArray2<'_, f64>,
+        qd: PyReadonlyArray2<'_, f64>,
+        qdd: PyReadonlyArray2<'_, f64>,
+        out: &Bound<'_, PyArrayDyn<f64>>,
+    ) -> PyResult<()> {
+        let model = options::model(py, model)?;
+        let states = OwnedStates::copy(&q, &qd, &qdd)?;
+        drop((q, qd, qdd)); // else `out` could not share memory with them
+        let width = columns
+            .as_ref()
+            .map_or(self.regressor.parameters().len(), Vec::len);
+        let size = model.rows(self.regressor.dof()) * width;
+        states.fill_blocks(py, size, out, |states, out| match &columns {
+            None => self.regressor.fill(model, states, out),
+            Some(columns) => self.regressor.fill_columns(model, columns, states, out),
+        })
+    }
+
+    /// Gamma = d X into `out` (N x n).
+    fn torques(
+        &self,
+        py: Python<'_>,
+        x: PyReadonlyArray1<'_, f64>,
+        q: PyReadonlyArray2<'_, f64>,
+        qd: PyReadonlyArray2<'_, f64>,
+        qdd: PyReadonlyArray2<'_, f64>,
+        out: &Bound<'_, PyArrayDyn<f64>>,
+    ) -> PyResult<()> {
+        let x = vector(&x)?;
+        let states = OwnedStates::copy(&q, &qd, &qdd)?;
+        drop((q, qd, qdd));
+        states.fill_blocks(py, self.regressor.dof(), out, |states, out| {
+            self.regressor.torques(&x, states, out)
+        })
+    }
+
+    /// The base parameters, at random samples or at those given.
+    #[pyo3(signature = (options, q=None, qd=None, qdd=None))]
+    fn base_parameters(
+        &self,
+        py: Python<'_>,
+        options: OptionArguments,
+        q: Option<PyReadonlyArray2<'_, f64>>,
+        qd: Option<PyReadonlyArray2<'_, f64>>,
+        qdd: Option<PyReadonlyArray2<'_, f64>>,
+    ) -> PyResult<Answer> {
+        let options = options.check(py)?;
+        let answer = match (q, qd, qdd) {
+            (Some(q), Some(qd), Some(qdd)) => {
+                let samples = OwnedStates::copy(&q, &qd, &qdd)?.into_samples();
+                detached(py, || {
+                    base_parameters_at(&self.mechanism, &options, &samples)
+                })?
+            }
+            _ => detached(py, || base_parameters(&self.mechanism, &options))?,
+        };
+        Ok(Answer::new(answer))
+    }
+
+    /// Samples that scale W.
+    fn scale(&self, py: Python<'_>, options: ScalingArguments) -> PyResult<Scaling> {
+        scaling::search(py, &self.mechanism, options)
+    }
+
+    /// All models by all engines.
+    fn compare(&self, py: Python<'_>, options: OptionArguments) -> PyResult<Comparison> {
+        let options = options.check(py)?;
+        detached(py, || {
+            compare(
+                &self.mechanism,
+                &options.choice,
+                options.tolerance,
+                options.seed,
+            )
+        })
+        .map(Comparison::new)
+    }
+}
+
+impl Robot {
+    fn of(
+        py: Python<'_>,
+        description: RobotDescription,
+        urdf: Option<(String, bool)>,
+    ) -> PyResult<Self> {
+        let mechanism = Mechanism::new(&description).map_err(|error| error.into_python(py))?;
+        Ok(Self {
+            urdf,
+            regressor: Regressor::new(&mechanism),
+            mechanism,
+        })
+    }
+}
+
+/// Name, title and source of each built-in robot.
+#[pyfunction]
+pub fn catalogue() -> Vec<(&'static str, &'static str, &'static str)> {
+    roberval_formats::catalogue()
+        .iter()
+        .map(|entry| (entry.name, entry.title, entry.source))
+        .collect()
+}

@@ -1,0 +1,217 @@
+//! Documents as plain text of at most [`WIDTH`] columns.
+
+use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
+
+use crate::WIDTH;
+use crate::document::{Block, Document, Item, Table};
+use crate::escape::plain;
+
+/// Cells of folded tables are cut to this many columns (`head~tail`): one long name must
+/// not unfold the table, and lists and relations have all of it.
+const WIDEST_CELL: usize = 36;
+
+/// Lines after the first of a list or relation begin with this many blanks.
+const HANG: usize = 4;
+
+/// Between the columns of a table, and between tables side by side.
+const GUTTER: &str = "  ";
+const BETWEEN: &str = "    ";
+
+/// The document as text, every line ended.
+pub(crate) fn render(document: &Document) -> String {
+    let mut lines = Vec::new();
+    for block in document {
+        let starts_part = matches!(block, Block::Heading(_) | Block::List(..));
+        if starts_part && !lines.is_empty() {
+            lines.push(String::new());
+        }
+        match block {
+            Block::Title(text) | Block::Heading(text) => wrap(&words(text), 0, &mut lines),
+            Block::Lines(texts) => {
+                for text in texts {
+                    wrap(&words(text), HANG, &mut lines);
+                }
+            }
+            Block::Table(table) => lines.extend(set(table)),
+            Block::Rule(text) => lines.push(rule(text)),
+            Block::List(lead, labels) => {
+                let mut pieces = words(lead);
+                let last = labels.len().saturating_sub(1);
+                pieces.extend(labels.iter().enumerate().map(|(i, label)| {
+                    format!("{}{}", label.text(), if i == last { "" } else { "," })
+                }));
+                wrap(&pieces, HANG, &mut lines);
+            }
+            Block::Relations(relations) => {
+                for relation in relations {
+                    wrap(&relation.pieces(), HANG, &mut lines);
+                }
+            }
+        }
+    }
+    lines.iter().fold(String::new(), |mut text, line| {
+        text.push_str(line.trim_end());
+        text.push('\n');
+        text
+    })
+}
+
+fn words(text: &str) -> Vec<String> {
+    plain(text).split(' ').map(str::to_owned).collect()
+}
+
+/// Pieces with blanks between them, broken into lines; a piece that fits no line is
+/// broken too.
+fn wrap(pieces: &[String], hang: usize, lines: &mut Vec<String>) {
+    let mut line = String::new();
+    let mut begun = false;
+    for piece in pieces {
+        if begun && line.width() + 1 + piece.width() <= WIDTH {
+            line.push(' ');
+            line.push_str(piece);
+            continue;
+        }
+        if begun {
+            lines.push(std::mem::replace(&mut line, " ".repeat(hang)));
+        }
+        begun = true;
+        for c in piece.chars() {
+            if line.width() + c.width().unwrap_or(0) > WIDTH {
+                lines.push(std::mem::replace(&mut line, " ".repeat(hang)));
+            }
+            line.push(c);
+        }
+    }
+    lines.push(line);
+}
+
+/// `---- gap 3e13 ----`
+fn rule(text: &str) -> String {
+    let text = cut(&plain(text), WIDTH - 10);
+    let dashes = (WIDTH - text.width()).saturating_sub(8).min(24);
+    format!("---- {text} {}", "-".repeat(dashes))
+}
+
+/// The lines of a table; a folded one runs down its columns as in a newspaper.
+fn set(table: &Table) -> Vec<String> {
+    let cells: Vec<Vec<String>> = table
+        .rows
+        .iter()
+        .map(|row| row.iter().map(|item| cell(item, table.folded)).collect())
+        .collect();
+    let widths = widths(table, &cells);
+    let total = widths.iter().sum::<usize>() + GUTTER.len() * (widths.len() - 1);
+    let fitting = (WIDTH + BETWEEN.len()) / (total + BETWEEN.len());
+    let across = if table.folded { fitting.max(1) } else { 1 };
+    let down = cells.len().div_ceil(across);
+    let across = cells.len().div_ceil(down.max(1)).max(1);
+    let titles: Vec<String> = table.columns.iter().map(|c| c.title.to_owned()).collect();
+    let one = |row: &[String]| line(table, &widths, row);
+    let mut lines = Vec::new();
+    if titles.iter().any(|title| !title.is_empty()) {
+        lines.push(vec![one(&titles); across].join(BETWEEN));
+    }
+    for i in 0..down {
+        let parts: Vec<String> = (0..across)
+            .filter_map(|k| cells.get(k * down + i).map(|row| one(row)))
+            .collect();
+        lines.push(parts.join(BETWEEN));
+    }
+    lines
+}
+
+fn cell(item: &Item, folded: bool) -> String {
+    let text = match item {
+        Item::Text(text) | Item::Number(text) => plain(text),
+        Item::Label(label) => label.text(),
+    };
+    if folded {
+        cut(&text, WIDEST_CELL)
+    } else {
+        text
+    }
+}
+
+/// The columns' widths; where they are too wide together, the widest give way.
+fn widths(table: &Table, cells: &[Vec<String>]) -> Vec<usize> {
+    let mut widths: Vec<usize> = table.columns.iter().map(|c| c.title.width()).collect();
+    for row in cells {
+        for (width, cell) in widths.iter_mut().zip(row) {
+            *width = (*width).max(cell.width());
+        }
+    }
+    let gutters = GUTTER.len() * widths.len().saturating_sub(1);
+    while widths.iter().sum::<usize>() + gutters > WIDTH {
+        match widths.iter_mut().max() {
+            Some(widest) if *widest > 1 => *widest -= 1,
+            _ => break,
+        }
+    }
+    widths
+}
+
+fn line(table: &Table, widths: &[usize], row: &[String]) -> String {
+    let cells = row.iter().zip(widths).zip(&table.columns);
+    let cells: Vec<String> = cells
+        .map(|((cell, &width), column)| {
+            let cell = cut(cell, width);
+            let blanks = " ".repeat(width - cell.width());
+            match column.right {
+                true => blanks + &cell,
+                false => cell + &blanks,
+            }
+        })
+        .collect();
+    cells.join(GUTTER)
+}
+
+/// A text of at most `width` columns: its head, `~` and its tail.
+fn cut(text: &str, width: usize) -> String {
+    if text.width() <= width {
+        return text.to_owned();
+    }
+    let tail_width = width.saturating_sub(1) / 2;
+    let head_width = width.saturating_sub(1) - tail_width;
+    let head = take(text.chars(), head_width);
+    let tail: String = take(text.chars().rev(), tail_width).chars().rev().collect();
+    format!("{head}~{tail}")
+}
+
+/// The first characters that fit into `width` columns.
+fn take(characters: impl Iterator<Item = char>, width: usize) -> String {
+    let mut left = width;
+    characters
+        .take_while(|c| match left.checked_sub(c.width().unwrap_or(0)) {
+            Some(rest) => {
+                left = rest;
+                true
+            }
+            None => false,
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cut_text_keeps_head_and_tail_and_its_width() {
+        assert_eq!(cut("abcdefghij", 10), "abcdefghij");
+        assert_eq!(cut("abcdefghijk", 7), "abc~ijk");
+        assert_eq!(
+            cut("\u{8155}\u{8155}\u{8155}\u{8155}", 6),
+            "\u{8155}~\u{8155}"
+        );
+        assert!((1..12).all(|w| cut("\u{8155}bc\u{8155}ef\u{8155}hi", w).width() <= w));
+    }
+
+    #[test]
+    fn long_words_are_broken_and_later_lines_hang() {
+        let mut lines = Vec::new();
+        wrap(&["a".repeat(90), "b".repeat(150)], 4, &mut lines);
+        assert_eq!(lines.len(), 3);
+        assert!(lines.iter().all(|l| l.width() <= WIDTH));
+        assert!(lines[1].starts_with("    b") && lines[2].starts_with("    b"));
+    }
+}

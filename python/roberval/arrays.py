@@ -1,0 +1,110 @@
+"""Arguments become plain arrays here: float64, C order, the right shape, or a clear error."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from .errors import ArrayError, ShapeError, UnknownParameterError
+
+Array: TypeAlias = npt.NDArray[np.float64]
+"""A float64 array."""
+
+
+def numbers(name: str, value: npt.ArrayLike) -> Array:
+    """Return `value` as a float64 array in C order, of any shape.
+
+    `name` is the argument's, for messages.
+    """
+    if np.ma.isMaskedArray(value) and np.ma.getmaskarray(value).any():
+        raise ArrayError(f"{name} has masked entries: fill them or take the samples out")
+    try:
+        array = np.asarray(value)
+    except ValueError as error:
+        raise ArrayError(f"{name} is no array of numbers: {error}") from None
+    if array.dtype.kind not in "iuf":
+        raise ArrayError(f"{name} has dtype {array.dtype}, expected real numbers (float64)")
+    with np.errstate(over="ignore"):  # a long double beyond float64 becomes inf: refused later
+        plain = np.require(array, np.float64, ["C", "ALIGNED", "ENSUREARRAY"])
+    return plain.reshape(array.shape)
+
+
+class States(NamedTuple):
+    """Joint states, each (N, n), and what stands before n in the caller's shape."""
+
+    q: Array
+    qd: Array
+    qdd: Array
+    lead: tuple[int, ...]
+
+
+def states(q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike, n: int) -> States:
+    """Return q, qd and qdd, all of one shape, (n,) or (N, n)."""
+    arrays = [numbers("q", q), numbers("qd", qd), numbers("qdd", qdd)]
+    for name, array in zip(("q", "qd", "qdd"), arrays, strict=True):
+        if array.ndim not in (1, 2) or array.shape[-1] != n:
+            raise ShapeError(
+                f"{name} has shape {array.shape}, expected ({n},) for one state "
+                f"or (N, {n}) for N states: the robot has {n} moving joints"
+            )
+        if array.shape != arrays[0].shape:
+            raise ShapeError(
+                f"{name} has shape {array.shape} and q has {arrays[0].shape}: "
+                "q, qd and qdd must have one shape"
+            )
+    q, qd, qdd = (np.atleast_2d(array) for array in arrays)
+    return States(q, qd, qdd, arrays[0].shape[:-1])
+
+
+def output(out: Array | None, shape: tuple[int, ...]) -> Array:
+    """Return `out`, or a new array if it is None, to be written by the core."""
+    if out is None:
+        return np.empty(shape)
+    if not isinstance(out, np.ndarray) or isinstance(out, np.ma.MaskedArray):
+        raise ArrayError(f"out is a {type(out).__name__}, expected a NumPy array of float64")
+    if out.dtype != np.float64 or not out.dtype.isnative:
+        raise ArrayError(f"out has dtype {out.dtype.str}, expected float64 in native byte order")
+    if out.shape != shape:
+        raise ShapeError(f"out has shape {out.shape}, expected {shape}")
+    if not out.flags.writeable:
+        raise ArrayError("out is read-only")
+    if not out.flags.c_contiguous or not out.flags.aligned:
+        raise ArrayError("out is not C-contiguous: make it with numpy.empty(shape)")
+    return out
+
+
+def vector(name: str, value: npt.ArrayLike | Mapping[str, float], labels: tuple[str, ...]) -> Array:
+    """Return one finite number for each label.
+
+    A mapping (dict, pandas Series) may leave labels out: they count as zero.
+    """
+    if isinstance(value, Mapping) or hasattr(value, "to_dict"):
+        array = _from_mapping(name, value, labels)
+    else:
+        array = numbers(name, value)
+    if array.shape != (len(labels),):
+        raise ShapeError(f"{name} has shape {array.shape}, expected ({len(labels)},)")
+    if not np.isfinite(array).all():
+        at = int(np.argmin(np.isfinite(array)))
+        raise ArrayError(f"{name} has {array[at]} for {labels[at]}: values must be finite numbers")
+    return array
+
+
+def _from_mapping(name: str, value: Any, labels: tuple[str, ...]) -> Array:
+    values = dict(value if isinstance(value, Mapping) else value.to_dict())
+    unknown = [label for label in values if label not in labels]
+    if unknown:
+        raise UnknownParameterError(
+            f"{name} has a value for {shown(unknown)}, expected labels such as {shown(labels)}"
+        )
+    return numbers(name, [values.get(label, 0.0) for label in labels])
+
+
+def shown(labels: Iterable[object], most: int = 3) -> str:
+    """Return the first labels as they stand in a message."""
+    listed = [repr(label) for label in labels]
+    dots = [", ..."] if len(listed) > most else []
+    return "".join([", ".join(listed[:most]), *dots])

@@ -1,0 +1,476 @@
+"""Base parameters: the answer of an analysis, to look at and to use."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core, arrays, rendering
+from .arrays import Array
+from .errors import DoubtfulRankWarning, MissingPackageError
+from .options import Options
+from .rendering import Rendered
+
+if TYPE_CHECKING:
+    import pandas
+
+    from .robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """How sure the rank is.
+
+    Attributes
+    ----------
+    clear : bool
+        Whether there is no doubt.
+    spectrum : ndarray
+        What the rank was decided on: |T_ii| (qrii), sigma_i (svd), or for qr what the kept
+        columns before leave of each column, relative to its norm.
+    spectrum_labels : tuple of str
+        The parameters of the spectrum's entries; empty where they belong to none.
+    tolerance : float
+        Entries of the spectrum at or below it count as zero.
+    gap : float or None
+        Smallest kept over largest dropped entry; None if nothing was kept or dropped.
+    residual : float
+        Largest miss of the relations at samples that decided nothing, relative.
+    messages : tuple of str
+        What the user should know.
+    """
+
+    clear: bool
+    spectrum: Array
+    spectrum_labels: tuple[str, ...]
+    tolerance: float
+    gap: float | None
+    residual: float
+    messages: tuple[str, ...]
+
+
+CLASSES = {
+    "no effect": "rgba(128, 128, 128, 0.1)",
+    "unchanged": "rgba(64, 160, 64, 0.35)",
+    "regrouped into": "rgba(48, 112, 224, 0.35)",
+    "regrouped": "rgba(224, 144, 32, 0.35)",
+}
+"""The classes of parameters and the colours that notebooks show them in."""
+
+
+class Relations(Mapping[str, Mapping[str, float]]):
+    """The relations of the base parameters: label -> {label: coefficient}, itself included.
+
+    ``str()`` gives those that are not trivial in the field's notation.
+    """
+
+    __slots__ = ("_terms", "text")
+
+    text: tuple[str, ...]
+    """The relations that are not trivial, such as ``XXR_6 = XX_6 - YY_6``."""
+
+    def __init__(self, terms: dict[str, dict[str, float]], text: Iterable[str]) -> None:
+        self._terms = terms
+        self.text = tuple(text)
+
+    def __getitem__(self, label: str) -> Mapping[str, float]:
+        return MappingProxyType(self._terms[label])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._terms)
+
+    def __len__(self) -> int:
+        return len(self._terms)
+
+    def __str__(self) -> str:
+        return "\n".join(self.text)
+
+    def __repr__(self) -> str:
+        return f"Relations({self._terms!r})"
+
+
+class BaseParameters(Rendered):
+    """The base inertial parameters of a robot (Gautier 1991). Immutable.
+
+    The C standard parameters divide into `no_effect`, `base` (X1) and `regrouped` (X2); the
+    base parameters into `unchanged` and `regrouped_into`. With W1 and W2 the columns of the
+    kept and the regrouped ones::
+
+        W2 = W1 beta          eq. (17)
+        XB1 = X1 + beta X2    eq. (20)
+        tau = d1 XB1
+
+    Made by `Robot.base_parameters`.
+    """
+
+    __slots__ = ("_beta", "_options", "_robot", "_samples")
+
+    _inner: _core.Answer
+    _robot: Robot
+    _options: Options
+    _samples: tuple[Array, Array, Array] | None
+    _beta: Array
+
+    def __init__(self) -> None:
+        raise TypeError("make BaseParameters with Robot.base_parameters")
+
+    @classmethod
+    def _of(
+        cls,
+        robot: Robot,
+        options: Options,
+        core: _core.Answer,
+        samples: tuple[Array, Array, Array] | None = None,
+    ) -> BaseParameters:
+        answer = object.__new__(cls)
+        answer._inner = core
+        answer._robot = robot
+        answer._options = options
+        answer._samples = samples
+        answer._beta = core.beta()
+        answer._beta.flags.writeable = False
+        return answer
+
+    def _warn_of_doubt(self) -> None:
+        if not self._inner.clear:
+            text = f"{self._robot.name}: {'; '.join(self._inner.messages)}"
+            warnings.warn(text, DoubtfulRankWarning, stacklevel=3)
+
+    def _labels(self, columns: list[int]) -> tuple[str, ...]:
+        labels = self._robot.parameters
+        return tuple(labels[column] for column in columns)
+
+    @property
+    def robot(self) -> Robot:
+        """The robot analysed."""
+        return self._robot
+
+    @property
+    def model(self) -> str:
+        """The model used: d, d0 or h."""
+        return self._inner.model
+
+    @property
+    def engine(self) -> str:
+        """The engine used."""
+        return self._inner.engine
+
+    @property
+    def choice(self) -> str:
+        """The rule by which the kept parameters were chosen."""
+        return self._inner.choice
+
+    @property
+    def seed(self) -> int:
+        """The seed of the random samples."""
+        return self._inner.seed
+
+    @property
+    def rows(self) -> int:
+        """Rows r of the observation matrix W."""
+        return self._inner.rows
+
+    @property
+    def rank(self) -> int:
+        """Number of base parameters b."""
+        return len(self._inner.base)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Labels of the C standard parameters."""
+        return self._robot.parameters
+
+    @property
+    def no_effect(self) -> tuple[str, ...]:
+        """Parameters without effect on the robot's motion."""
+        return self._labels(self._inner.no_effect)
+
+    @property
+    def base(self) -> tuple[str, ...]:
+        """The b kept parameters X1."""
+        return self._labels(self._inner.base)
+
+    @property
+    def regrouped(self) -> tuple[str, ...]:
+        """The parameters X2 that are regrouped onto the kept ones."""
+        return self._labels(self._inner.regrouped)
+
+    @property
+    def unchanged(self) -> tuple[str, ...]:
+        """Base parameters that stay as they are."""
+        return self._labels(self._inner.unchanged)
+
+    @property
+    def regrouped_into(self) -> tuple[str, ...]:
+        """Base parameters that others regroup into."""
+        return self._labels(self._inner.regrouped_into)
+
+    @property
+    def beta(self) -> Array:
+        """The regrouping coefficients, shape (b, len(regrouped)), read-only."""
+        return self._beta
+
+    @property
+    def relations(self) -> Relations:
+        """Each base parameter as a sum: label -> {label: coefficient}, itself included."""
+        regrouped = self.regrouped
+        relations = {}
+        for label, row in zip(self.base, self._beta.tolist(), strict=True):
+            terms = {r: beta for r, beta in zip(regrouped, row, strict=True) if beta != 0}
+            relations[label] = {label: 1.0, **terms}
+        return Relations(relations, self._inner.relations)
+
+    @property
+    def classes(self) -> dict[str, str]:
+        """The class of each parameter: no effect, unchanged, regrouped into or regrouped."""
+        members = (self.no_effect, self.unchanged, self.regrouped_into, self.regrouped)
+        of = {
+            label: name for name, labels in zip(CLASSES, members, strict=True) for label in labels
+        }
+        return {label: of[label] for label in self.parameters}
+
+    @property
+    def diagnosis(self) -> Diagnosis:
+        """How sure the rank is."""
+        spectrum = self._inner.spectrum()
+        spectrum.flags.writeable = False
+        return Diagnosis(
+            clear=self._inner.clear,
+            spectrum=spectrum,
+            spectrum_labels=self._labels(self._inner.spectrum_columns),
+            tolerance=self._inner.tolerance,
+            gap=self._inner.gap,
+            residual=self._inner.residual,
+            messages=tuple(self._inner.messages),
+        )
+
+    def values(self, X: npt.ArrayLike | Mapping[str, float] | None = None) -> Array:
+        """Return the base parameters of standard ones: XB1 = X1 + beta X2 (Gautier 1991, eq. (20)).
+
+        Parameters
+        ----------
+        X : array_like of shape (C,), or mapping from labels to values
+            Standard parameters (a dict or pandas Series may leave some out: zero); by
+            default those of the robot file.
+
+        Returns
+        -------
+        ndarray, shape (b,)
+            In the order of `base`.
+
+        Raises
+        ------
+        ShapeError, ArrayError, UnknownParameterError
+            X is not usable.
+        """
+        return self.regrouped_values(X)
+
+    def regrouped_values(
+        self,
+        X: npt.ArrayLike | Mapping[str, float] | None = None,
+        XR2: npt.ArrayLike | Mapping[str, float] | None = None,
+    ) -> Array:
+        """Another member of the family: XR1 = X1 + beta (X2 - XR2) (Gautier 1991, eq. (19)).
+
+        Parameters
+        ----------
+        X : array_like of shape (C,), or mapping
+            Standard parameters, as in `values`.
+        XR2 : array_like of shape (len(regrouped),), or mapping
+            What the regrouped parameters shall be; zero by default.
+
+        Returns
+        -------
+        ndarray, shape (b,)
+            The kept parameters that give, with XR2, the torques of X.
+        """
+        x = self._robot._standard_parameters(X)
+        regrouped = self.regrouped
+        xr2 = arrays.vector("XR2", {} if XR2 is None else XR2, regrouped)
+        return self._inner.regrouped_values(x, xr2)
+
+    def minimum_norm(self, X: npt.ArrayLike | Mapping[str, float] | None = None) -> Array:
+        """Return the member of smallest norm: XM = V1 V1' X.
+
+        Parameters
+        ----------
+        X : array_like of shape (C,), or mapping
+            Standard parameters, as in `values`.
+
+        Returns
+        -------
+        ndarray, shape (C,)
+            Standard parameters that give the torques of X; zero where without effect.
+        """
+        return self._inner.minimum_norm(self._robot._standard_parameters(X))
+
+    def regressor(
+        self,
+        q: npt.ArrayLike,
+        qd: npt.ArrayLike | None = None,
+        qdd: npt.ArrayLike | None = None,
+        *,
+        out: Array | None = None,
+    ) -> Array:
+        """Evaluate the reduced model d1 (d0, h1: the model of the analysis).
+
+        ``tau = base.regressor(q, qd, qdd) @ base.values(X)``. Arguments are those of
+        `Robot.regressor`.
+
+        Returns
+        -------
+        ndarray, shape (N, n, b)
+            For h (N, b); for one state without the N.
+        """
+        return self._robot._rows(self.model, self._inner.base, q, qd, qdd, out)
+
+    def to_frame(self) -> pandas.DataFrame:
+        """Return a pandas DataFrame with one row for each standard parameter.
+
+        Columns: ``kind``, ``link``, ``class``; ``X`` and ``XB``, NaN where there is none;
+        ``relation``, empty where trivial.
+
+        Raises
+        ------
+        MissingPackageError
+            pandas is not installed.
+        """
+        try:
+            import pandas
+        except ImportError:
+            raise MissingPackageError("to_frame needs pandas: pip install pandas") from None
+        known = self._robot.inertial_values
+        values = dict(zip(self.base, self.values(), strict=True)) if known else {}
+        relation = dict(zip(self.regrouped_into, self.relations.text, strict=True))
+        labels = list(self.parameters)
+        columns = {
+            "kind": [label.split("_", 1)[0] for label in labels],
+            "link": [label.split("_", 1)[1] for label in labels],
+            "class": list(self.classes.values()),
+            "X": [known.get(label, np.nan) for label in labels],
+            "XB": [values.get(label, np.nan) for label in labels],
+            "relation": [relation.get(label, "") for label in labels],
+        }
+        return pandas.DataFrame(columns, index=pandas.Index(labels, name="parameter"))
+
+    def _repr_html_(self) -> str:
+        classes = self.classes
+        kinds = ("XX", "XY", "XZ", "YY", "YZ", "ZZ", "MX", "MY", "MZ", "M", "Ia")
+        grid = rendering.grid(
+            ["link", *kinds],
+            (
+                [link.name, *(classes.get(f"{kind}_{link.name}", "") for kind in kinds)]
+                for link in self._robot.links
+            ),
+            CLASSES,
+        )
+        doubts = "".join(rendering.paragraph(message) for message in self.diagnosis.messages)
+        relations = rendering.lines(self.relations.text)
+        return rendering.paragraph(repr(self)) + doubts + grid + relations
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The same options give the same answer: cheaper to find again than to store.
+        return analyse, (self._robot, self._options, self._samples)
+
+    def __repr__(self) -> str:
+        doubt = "" if self._inner.clear else ", doubtful"
+        return (
+            f"BaseParameters({self._robot.name!r}, model {self.model}, engine {self.engine}: "
+            f"{len(self.parameters)} parameters, {len(self.no_effect)} without effect, "
+            f"{self.rank} base, {len(self.regrouped)} regrouped{doubt})"
+        )
+
+
+@dataclass(frozen=True)
+class Route:
+    """One model analysed by one engine.
+
+    Attributes
+    ----------
+    answer : BaseParameters
+        What this route found.
+    same_columns : bool
+        Whether it has the first route's columns without effect, kept and regrouped.
+    beta_difference : float
+        Largest difference to the first route's beta, relative to its largest entry.
+    """
+
+    answer: BaseParameters
+    same_columns: bool
+    beta_difference: float
+
+
+def analyse(
+    robot: Robot, options: Options, samples: tuple[Array, Array, Array] | None = None
+) -> BaseParameters:
+    """Find the base parameters of a robot with these options, at random samples or at those."""
+    core = robot._inner.base_parameters(options, *(samples or ()))
+    return BaseParameters._of(robot, options, core, samples)
+
+
+def _of_route(options: Options, answer: _core.Answer) -> Options:
+    return {**options, "model": answer.model, "engine": answer.engine}
+
+
+class Comparison(Rendered):
+    """All models by all engines. Made by `Robot.compare`.
+
+    Attributes
+    ----------
+    agree : bool
+        Whether all give one answer and none is in doubt.
+    routes : tuple of Route
+        Model by model, engine by engine.
+    doubts : tuple of str
+        Why they are not one clear answer; empty if they are.
+    """
+
+    __slots__ = ("agree", "doubts", "routes")
+
+    _inner: _core.Comparison
+    agree: bool
+    routes: tuple[Route, ...]
+    doubts: tuple[str, ...]
+
+    def __init__(self) -> None:
+        raise TypeError("make a Comparison with Robot.compare")
+
+    @classmethod
+    def _of(cls, robot: Robot, options: Options, core: _core.Comparison) -> Comparison:
+        comparison = object.__new__(cls)
+        comparison._inner = core
+        comparison.agree = core.agree
+        comparison.doubts = tuple(core.doubts)
+        comparison.routes = tuple(
+            Route(BaseParameters._of(robot, _of_route(options, answer), answer), same, difference)
+            for answer, same, difference in core.routes
+        )
+        return comparison
+
+    def __repr__(self) -> str:
+        ranks = sorted({route.answer.rank for route in self.routes})
+        verdict = "agree" if self.agree else "do not agree"
+        found = ", ".join(map(str, ranks))
+        return f"Comparison({len(self.routes)} routes {verdict}: {found} base parameters)"
+
+    def _repr_html_(self) -> str:
+        header = ["model", "engine", "base parameters", "same columns", "beta differs", "clear"]
+        rows = (
+            [
+                route.answer.model,
+                route.answer.engine,
+                str(route.answer.rank),
+                "yes" if route.same_columns else "no",
+                f"{route.beta_difference:.1e}",
+                "yes" if route.answer.diagnosis.clear else "no",
+            ]
+            for route in self.routes
+        )
+        doubts = "".join(rendering.paragraph(doubt) for doubt in self.doubts)
+        return rendering.paragraph(repr(self)) + doubts + rendering.grid(header, rows)

@@ -1,0 +1,574 @@
+"""Robots: load or build one, look at it, evaluate its regressor."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, NamedTuple, SupportsIndex
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core, arrays, mdh, rendering
+from .arrays import Array
+from .base import BaseParameters, Comparison, analyse
+from .errors import OptionError, RobervalError, RobotWarning, ShapeError
+from .options import Choice, Engine, Model, options
+from .rendering import Rendered
+from .scaling import Scaling, scaling_options
+
+
+class Link(NamedTuple):
+    """One link and the joint that moves it.
+
+    Attributes
+    ----------
+    name : str
+        The link's name.
+    joint_name : str or None
+        The joint's name, where the file has one.
+    antecedent : str or None
+        Name of the link that carries this one; None is the base.
+    joint : str
+        ``"revolute"``, ``"prismatic"`` or ``"fixed"``.
+    active : bool
+        Whether the joint is driven.
+    rotor : bool
+        Whether there is a rotor inertia Ia.
+    """
+
+    name: str
+    joint_name: str | None
+    antecedent: str | None
+    joint: str
+    active: bool
+    rotor: bool
+
+
+class Robot(Rendered):
+    """A robot: a chain or tree of links and joints. Immutable.
+
+    Make one with `load`, `Robot.from_mdh`, `Robot.from_toml` or `Robot.from_urdf`.
+
+    The inertial parameters are linear in the models: ``tau = d(q, qd, qdd) @ X``. X holds
+    for each link the paper's eleven (Gautier 1991, eq. (3)), or ten where the joint has no
+    rotor::
+
+        XX XY XZ YY YZ ZZ  kg m^2, about the origin of the link's frame and in that frame
+        MX MY MZ           kg m, first moments
+        M                  kg
+        Ia                 kg m^2 (prismatic: kg), rotor inertia seen from the joint's side
+    """
+
+    __slots__ = ("_labels", "_links")
+
+    _inner: _core.Robot
+    _labels: tuple[str, ...]
+    _links: tuple[Link, ...]
+
+    def __init__(self) -> None:
+        raise TypeError("make a Robot with roberval.load, Robot.from_mdh, from_toml or from_urdf")
+
+    @classmethod
+    def _of(cls, core: _core.Robot) -> Robot:
+        for warning in core.warnings:
+            warnings.warn(f"{core.name}: {warning}", RobotWarning, stacklevel=3)
+        return cls._quietly(core)
+
+    @classmethod
+    def _quietly(cls, core: _core.Robot) -> Robot:
+        robot = object.__new__(cls)
+        robot._inner = core
+        robot._labels = tuple(core.labels)
+        robot._links = tuple(Link(*link) for link in core.links)
+        return robot
+
+    @classmethod
+    def from_mdh(
+        cls,
+        rows: Iterable[mdh.Row],
+        *,
+        name: str = "robot",
+        gravity: Sequence[float | str] = (0, 0, "-9.81"),
+        constants: Mapping[str, float | str] | None = None,
+    ) -> Robot:
+        """Build a robot from modified Denavit-Hartenberg parameters (Khalil and Kleinfinger).
+
+        Parameters
+        ----------
+        rows : iterable of dict or tuple
+            One row a link. A dict has the keys of a robot TOML: ``name``, ``antecedent``,
+            ``joint`` (``"revolute"``, ``"prismatic"``, ``"fixed"``), ``active``, ``rotor``,
+            ``gamma``, ``b``, ``alpha``, ``d``, ``theta``, ``r``, ``inertia``; all but
+            ``alpha``, ``d``, ``theta`` and ``r`` may be left out. A tuple is
+            (alpha, d, theta, r). Lengths in m, angles in rad or text (``"-90 deg"``,
+            ``"pi/2"``); texts may use `constants`.
+        name : str
+            The robot's name.
+        gravity : 3 numbers
+            Acceleration of gravity in the base frame, m/s^2.
+        constants : dict
+            Named values for the expressions in `rows`.
+
+        Returns
+        -------
+        Robot
+
+        Raises
+        ------
+        RobotError
+            A row is not valid; the message names the link and the field.
+
+        Examples
+        --------
+        >>> import roberval as rv
+        >>> planar = rv.Robot.from_mdh([(0, 0, 0, 0), (0, "L", 0, 0)],
+        ...                            gravity=[0, "-9.81", 0], constants={"L": 0.5})
+        >>> planar.base_parameters().rank
+        7
+        """
+        text = mdh.robot_toml(rows, name, gravity, constants)
+        return cls._of(_core.Robot.from_rows(text, "from_mdh"))
+
+    @classmethod
+    def from_toml(cls, text: str) -> Robot:
+        """Read the text of a robot TOML.
+
+        Raises
+        ------
+        RobotError
+            The text is not valid; the message names the line and what would be right.
+        """
+        return cls._of(_core.Robot.from_toml(text, "robot.toml"))
+
+    @classmethod
+    def from_urdf(cls, text_or_path: str | os.PathLike[str], *, keep_fixed: bool = False) -> Robot:
+        """Read a URDF: its text (anything that begins with ``<``), or the path of a file.
+
+        Links keep their URDF frames and are numbered depth first in file order. No mesh is
+        opened. Inertial values are not needed.
+
+        Parameters
+        ----------
+        text_or_path : str or path
+            The URDF.
+        keep_fixed : bool
+            Keep links on fixed joints as links of their own; by default they are lumped
+            into their parents.
+
+        Raises
+        ------
+        RobotError
+            The file or text is not valid; the message names the line and what would be right.
+        """
+        text = os.fspath(text_or_path)
+        if text.lstrip("\ufeff \t\r\n").startswith("<"):
+            return cls._of(_core.Robot.from_urdf(text, "robot.urdf", keep_fixed))
+        return cls._of(_core.Robot.load(text, keep_fixed))
+
+    def to_toml(self) -> str:
+        """Return the robot as robot TOML, its numbers as they were written.
+
+        Raises
+        ------
+        RobotError
+            The robot comes from a URDF, whose frames the form cannot hold.
+
+        Examples
+        --------
+        >>> import roberval as rv
+        >>> puma = rv.load("puma560")
+        >>> rv.Robot.from_toml(puma.to_toml()) == puma
+        True
+        """
+        return self._inner.to_toml()
+
+    @property
+    def name(self) -> str:
+        """The robot's name."""
+        return self._inner.name
+
+    @property
+    def links(self) -> tuple[Link, ...]:
+        """The links in the order of the parameters: each after its antecedent."""
+        return self._links
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the n moving joints in the order of q; of their links where they have none."""
+        moving = (link for link in self._links if link.joint != "fixed")
+        return tuple(link.joint_name or link.name for link in moving)
+
+    @property
+    def n(self) -> int:
+        """Number of moving joints."""
+        return self._inner.dof
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Labels of the C standard parameters, the columns of the regressor: KIND_link."""
+        return self._labels
+
+    @property
+    def gravity(self) -> Array:
+        """Acceleration of gravity in the base frame, m/s^2, shape (3,)."""
+        return np.array(self._inner.gravity)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the reader of the robot file noticed."""
+        return tuple(self._inner.warnings)
+
+    @property
+    def X(self) -> Array | None:  # noqa: N802
+        """The standard parameters, shape (C,); what the file does not give is zero.
+
+        None where the file gives no value at all.
+        """
+        return self._inner.standard_parameters()
+
+    @property
+    def inertial_values(self) -> dict[str, float]:
+        """The standard parameters that the robot file gives, by label."""
+        x = self.X
+        if x is None:
+            return {}
+        rows = zip(self._labels, x.tolist(), self._inner.known, strict=True)
+        return {label: value for label, value, known in rows if known}
+
+    def regressor(
+        self,
+        q: npt.ArrayLike,
+        qd: npt.ArrayLike | None = None,
+        qdd: npt.ArrayLike | None = None,
+        model: Model = "d",
+        *,
+        out: Array | None = None,
+    ) -> Array:
+        """Evaluate a model, linear in the standard parameters, at joint states.
+
+        Parameters
+        ----------
+        q : array_like, shape (n,) or (N, n)
+            Joint positions, rad or m, in the order of `joints`.
+        qd, qdd : array_like, shape of `q`
+            Velocities (per s) and accelerations (per s^2). Model h needs no `qdd`, model d0
+            no `qd`.
+        model : {"d", "d0", "h"}
+            d: joint torques, ``tau = d @ X`` (Gautier 1991, eq. (5)); d0: the same at rest
+            (eq. (8)); h: energy, of which only differences mean anything (eq. (10)).
+        out : ndarray of float64, C-contiguous
+            Where to write the result.
+
+        Returns
+        -------
+        ndarray, shape (N, n, C)
+            For h (N, C); for one state without the N. ``W.reshape(-1, C)`` is the
+            observation matrix.
+
+        Raises
+        ------
+        ShapeError
+            An array has the wrong shape.
+        ArrayError
+            An array does not hold finite real numbers, or `out` cannot be written.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import roberval as rv
+        >>> puma = rv.load("puma560")
+        >>> q = qd = qdd = np.zeros((100, 6))
+        >>> puma.regressor(q, qd, qdd).shape
+        (100, 6, 66)
+        """
+        return self._rows(model, None, q, qd, qdd, out)
+
+    def _rows(
+        self,
+        model: str,
+        columns: list[int] | None,
+        q: npt.ArrayLike,
+        qd: npt.ArrayLike | None,
+        qdd: npt.ArrayLike | None,
+        out: Array | None,
+    ) -> Array:
+        """Evaluate the regressor, or some of its columns."""
+        states = self._states(model, q, qd, qdd)
+        width = len(self._labels) if columns is None else len(columns)
+        rows = () if model == "h" else (self.n,)
+        out = arrays.output(out, (*states.lead, *rows, width))
+        self._inner.regressor(model, columns, states.q, states.qd, states.qdd, out)
+        return out
+
+    def _states(
+        self,
+        model: str,
+        q: npt.ArrayLike,
+        qd: npt.ArrayLike | None,
+        qdd: npt.ArrayLike | None,
+    ) -> arrays.States:
+        if qd is None:
+            if model != "d0":
+                raise ShapeError(f"qd is missing: model {model} needs velocities")
+            qd = np.zeros(np.shape(q))
+        if qdd is None:
+            if model != "h":
+                raise ShapeError(f"qdd is missing: model {model} needs accelerations")
+            qdd = np.zeros(np.shape(q))
+        return arrays.states(q, qd, qdd, self.n)
+
+    def torques(
+        self,
+        q: npt.ArrayLike,
+        qd: npt.ArrayLike,
+        qdd: npt.ArrayLike,
+        X: npt.ArrayLike | Mapping[str, float] | None = None,
+    ) -> Array:
+        """Joint torques (N m; forces in N for prismatic joints) ``tau = d @ X``.
+
+        Parameters
+        ----------
+        q, qd, qdd : array_like, shape (n,) or (N, n)
+            Joint states.
+        X : array_like of shape (C,), or mapping from labels to values
+            Standard parameters; by default those of the robot file. Labels that a mapping
+            leaves out count as zero.
+
+        Returns
+        -------
+        ndarray, shape of `q`
+
+        Raises
+        ------
+        ShapeError, ArrayError, UnknownParameterError
+            An argument is not usable.
+        """
+        states = arrays.states(q, qd, qdd, self.n)
+        x = self._standard_parameters(X)
+        out = np.empty((*states.lead, self.n))
+        self._inner.torques(x, states.q, states.qd, states.qdd, out)
+        return out
+
+    def _standard_parameters(self, X: npt.ArrayLike | Mapping[str, float] | None) -> Array:
+        if X is None:
+            X = self.X
+            if X is None:
+                raise RobervalError(
+                    f"the description of {self.name} has no inertial values: give X, "
+                    f"{len(self._labels)} numbers or a dict of labels"
+                )
+        return arrays.vector("X", X, self._labels)
+
+    def base_parameters(
+        self,
+        model: Model = "d",
+        *,
+        engine: Engine | None = None,
+        choice: Choice | None = None,
+        keep: Sequence[str] = (),
+        drop: Sequence[str] = (),
+        seed: SupportsIndex = 0,
+        rows: SupportsIndex | None = None,
+        tolerance: float | str | None = None,
+        samples: Scaling | tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike] | None = None,
+    ) -> BaseParameters:
+        """Find the base inertial parameters and how the others regroup onto them.
+
+        Parameters
+        ----------
+        model : {"d", "d0", "h"}
+            The model whose columns are analysed; all give the same answer.
+        engine : {"qr", "qrii", "svd"}
+            QR without pivoting (Gautier 1991, eq. (13); the default), QR with column
+            pivoting (eq. (14)) or SVD (eq. (21)-(27)); all give the same answer.
+        choice : {"paper", "pivoted", "prefer"}
+            Which parameters to keep. paper (the default): the parameters of largest subscript
+            are regrouped; pivoted: the best conditioned columns are kept; prefer: the paper's
+            rule after `keep` and `drop`.
+        keep, drop : sequence of str
+            Labels to keep if possible, the most important first, and to regroup if possible,
+            the least wanted first.
+        seed : int
+            Names the random samples.
+        rows : int
+            Rows of the observation matrix W; by default twice its columns or more.
+        tolerance : float or {"paper", "paper-ieee"}
+            What counts as zero: a ratio to the column's norm, or the paper's rule
+            ``tau = r |T11| eps`` with its own eps 2^-56 or IEEE's 2^-52.
+        samples : Scaling or (q, qd, qdd)
+            Joint states to take instead of random ones; `rows` and `seed` then play no part.
+
+        Returns
+        -------
+        BaseParameters
+
+        Raises
+        ------
+        OptionError, UnknownParameterError
+            An option is not usable.
+        NumericalError
+            A factorisation failed.
+
+        Warns
+        -----
+        DoubtfulRankWarning
+            The rank is in doubt: see the result's `diagnosis`.
+
+        Examples
+        --------
+        >>> import roberval as rv
+        >>> base = rv.load("puma560").base_parameters()
+        >>> base.rank
+        40
+        >>> list(base.relations["XX_6"])
+        ['XX_6', 'YY_6']
+        """
+        answer = analyse(
+            self,
+            options(
+                model=model,
+                engine=engine,
+                choice=choice,
+                keep=keep,
+                drop=drop,
+                seed=seed,
+                rows=rows,
+                tolerance=tolerance,
+            ),
+            None if samples is None else self._samples(samples),
+        )
+        answer._warn_of_doubt()
+        return answer
+
+    def _samples(
+        self, samples: Scaling | tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike]
+    ) -> tuple[Array, Array, Array]:
+        if isinstance(samples, Scaling):
+            return samples.q, samples.qd, samples.qdd
+        if not isinstance(samples, tuple) or len(samples) != 3:
+            raise OptionError("samples is no tuple (q, qd, qdd) and no Scaling")
+        q, qd, qdd = samples
+        return arrays.states(q, qd, qdd, self.n)[:3]
+
+    def scale(
+        self,
+        model: Model = "h",
+        *,
+        seed: SupportsIndex = 0,
+        rows: SupportsIndex | None = None,
+        target: float | None = None,
+        starts: SupportsIndex | None = None,
+        rounds: SupportsIndex | None = None,
+        weights: tuple[float, float] | None = None,
+    ) -> Scaling:
+        """Search for samples that show all parameters evenly (Gautier 1991, "Scaling of W").
+
+        Parameters
+        ----------
+        model : {"h", "d", "d0"}
+            The model whose observation matrix W is scaled.
+        seed : int
+            Names the random starts.
+        rows : int
+            Rows of W; by default c, as in the paper, and at least 24 samples of d and d0.
+        target : float
+            The S = max |W_ij| / min |W_ij| to stop at; by default 100.
+        starts : int
+            Random states that compete to start a search.
+        rounds : int
+            How often, on average, a piece of W is searched again while the target is missed.
+        weights : (float, float)
+            l1 and l2 of the criterion J = l1 ||W||_F + l2 S.
+
+        Returns
+        -------
+        Scaling
+            Its samples can be given to `base_parameters`.
+
+        Raises
+        ------
+        OptionError
+            An option is not usable.
+
+        Examples
+        --------
+        >>> import roberval as rv
+        >>> puma = rv.load("puma560")
+        >>> scaling = puma.scale("h")
+        >>> scaling.after.s < 200 < scaling.before.s
+        True
+        >>> puma.base_parameters("h", samples=scaling).rank
+        40
+        """
+        asked = scaling_options(model, seed, rows, target, starts, rounds, weights)
+        return Scaling._of(model, self._labels, self._inner.scale(asked))
+
+    def compare(
+        self,
+        *,
+        choice: Choice | None = None,
+        keep: Sequence[str] = (),
+        drop: Sequence[str] = (),
+        tolerance: float | str | None = None,
+        seed: SupportsIndex = 0,
+    ) -> Comparison:
+        """Run all models by all engines and tell whether they agree.
+
+        Parameters are those of `base_parameters`.
+
+        Returns
+        -------
+        Comparison
+
+        Examples
+        --------
+        >>> import roberval as rv
+        >>> rv.load("puma560").compare().agree
+        True
+        """
+        asked = options(choice=choice, keep=keep, drop=drop, tolerance=tolerance, seed=seed)
+        return Comparison._of(self, asked, self._inner.compare(asked))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Robot):
+            return NotImplemented
+        return self._inner.same(other._inner)
+
+    def __hash__(self) -> int:
+        return hash((self.name, self._labels))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restore, self._inner.state()
+
+    def __repr__(self) -> str:
+        kinds = [link.joint for link in self._links]
+        joints = ", ".join(
+            f"{kinds.count(kind)} {kind} joint{'s' if kinds.count(kind) > 1 else ''}"
+            for kind in ("revolute", "prismatic", "fixed")
+            if kind in kinds
+        )
+        return f"Robot({self.name!r}, {joints}, {len(self._labels)} parameters)"
+
+    def _repr_html_(self) -> str:
+        header = ["link", "antecedent", "joint", "type", "active", "rotor"]
+        rows = (
+            [
+                link.name,
+                link.antecedent or "base",
+                link.joint_name or "",
+                link.joint,
+                "yes" if link.active else "no",
+                "yes" if link.rotor else "no",
+            ]
+            for link in self._links
+        )
+        return rendering.paragraph(repr(self)) + rendering.grid(header, rows)
+
+
+def _restore(format: str, text: str, name: str, keep_fixed: bool) -> Robot:
+    """Return a robot from its pickled state."""
+    if format == "urdf":
+        return Robot._quietly(_core.Robot.from_urdf(text, name, keep_fixed))
+    return Robot._quietly(_core.Robot.from_toml(text, name))
