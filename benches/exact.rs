@@ -39,7 +39,7 @@ fn robots() -> Vec<(&'static str, Mechanism)> {
         built_in("iiwa14"),
         built_in("panda"),
         ("humanoid35", humanoid(Angles::Right)),
-        ("humanoid35_surds", humanoid(Angles::Twelfths)),
+        ("humanoid35_surds", humanoid(Angles::Fifteens)),
     ]
 }
 
