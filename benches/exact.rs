@@ -7,14 +7,14 @@ use roberval_base::{Model, decide_exactly, nullspace_rank};
 use roberval_mechanism::{Mechanism, SourceFormat};
 use roberval_testkit::{Angles, Family};
 
-/// Five limbs of seven revolute joints, three of them on the end of a torso: right angles
-/// and lengths in millimetres, as a humanoid's description has them.
-fn humanoid() -> Mechanism {
+/// Five limbs of seven revolute joints, two of them on the end of the first, with lengths
+/// in millimetres.
+fn humanoid(angles: Angles) -> Mechanism {
     let family = Family {
         links: (35, 35),
         prismatic: 0.0,
         fixed: 0.0,
-        angles: Angles::Right,
+        angles,
         format: SourceFormat::Urdf,
         ..Family::default()
     };
@@ -38,7 +38,8 @@ fn robots() -> Vec<(&'static str, Mechanism)> {
         built_in("puma560"),
         built_in("iiwa14"),
         built_in("panda"),
-        ("humanoid35", humanoid()),
+        ("humanoid35", humanoid(Angles::Right)),
+        ("humanoid35_surds", humanoid(Angles::Fifteens)),
     ]
 }
 

@@ -3,7 +3,7 @@
 //!
 //! `ROBERVAL_LONG_TESTS=1` runs 10,000 generated robots instead of 600.
 
-use roberval_base::{Model, Options, base_parameters, decide_exactly, nullspace_rank};
+use roberval_base::{Engine, Model, Options, base_parameters, decide_exactly, nullspace_rank};
 use roberval_mechanism::{JointKind, Mechanism, RobotDescription, SourceFormat};
 use roberval_testkit::{Angles, Family, decimal};
 
@@ -57,6 +57,7 @@ fn disagreement(robot: &Mechanism, seed: u64) -> Option<String> {
     let exact = decide_exactly(robot, Model::D, &all, seed).expect("in a field");
     let nullspace = nullspace_rank(robot, !seed).expect("in a field");
     let options = Options {
+        engine: Engine::Qr,
         seed,
         ..Options::default()
     };

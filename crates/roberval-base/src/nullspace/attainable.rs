@@ -1,7 +1,7 @@
 //! What a link can meet: the spans of its velocities, of their squares and of gravity.
 
 use roberval_linalg::Echelon;
-use roberval_regressor::{Body, Constants, Tree};
+use roberval_regressor::{Body, Tree};
 use roberval_scalar::{Fp, Modulus};
 
 use super::spatial::{Matrix6, Vector6, apply, outer, product, sum, transform, transposed};
@@ -103,8 +103,8 @@ impl<'m> Attainable<'m> {
     }
 
     /// The same, in the frame of a body on this link, its joint at rest at 0.
-    pub fn carried(&self, body: &Body<Fp<'m>>, constants: Constants<Fp<'m>>) -> Self {
-        let x = transform(&body.rotation, body.origin, constants.zero);
+    pub fn carried(&self, body: &Body<Fp<'m>>) -> Self {
+        let x = transform(&body.rotation, body.origin, self.modulus.integer(0));
         let back = transposed(&x);
         Self {
             modulus: self.modulus,
@@ -147,5 +147,27 @@ impl<'m> Attainable<'m> {
 
     pub fn gravity(&self) -> &[Vector6<Fp<'m>>] {
         &self.gravity.basis
+    }
+    /// What these velocities span, without gravity.
+    #[cfg(test)]
+    pub fn of_velocities(velocities: &[Vector6<Fp<'m>>]) -> Self {
+        let modulus = velocities[0][0].modulus();
+        Self {
+            modulus,
+            velocities: Span::of(modulus, velocities.iter().copied()),
+            squares: Span::of(modulus, velocities.iter().map(|u| outer(u, u))),
+            gravity: Span::of(modulus, []),
+        }
+    }
+
+    /// Dimensions of the spans of velocities and of squares with these velocities added.
+    #[cfg(test)]
+    pub fn dimensions_with(&self, velocities: &[Vector6<Fp<'m>>]) -> [usize; 2] {
+        let (mut linear, mut squares) = (self.velocities.clone(), self.squares.clone());
+        for u in velocities {
+            linear.add(*u);
+            squares.add(outer(u, u));
+        }
+        [linear.basis.len(), squares.basis.len()]
     }
 }

@@ -76,22 +76,32 @@ fn kept_of_links(tree: &Tree<Fp<'_>>) -> Vec<Vec<usize>> {
     let mut of_links: Vec<Attainable<'_>> = Vec::with_capacity(tree.bodies.len());
     let mut kept = Vec::with_capacity(tree.bodies.len());
     for body in &tree.bodies {
-        let carried = match body.antecedent {
-            Some(a) => of_links[a].carried(body, tree.constants),
-            None => Attainable::base(tree).carried(body, tree.constants),
+        let (own, rows) = match body.antecedent {
+            Some(a) => step(&of_links[a], body),
+            None => step(&Attainable::base(tree), body),
         };
-        let Some(joint) = joint_axis(body, tree.constants.zero) else {
-            kept.push(Vec::new());
-            of_links.push(carried);
-            continue;
-        };
-        let cross = cross_matrix(&joint, tree.constants.zero);
-        let mut attainable = carried.moved_by(&cross);
-        kept.push(conditions(body, &joint, &cross, &attainable).kept());
-        attainable.add_joint(&joint);
-        of_links.push(attainable);
+        kept.push(rows.map_or_else(Vec::new, |rows| rows.kept()));
+        of_links.push(own);
     }
     kept
+}
+
+/// What a link can meet, from its antecedent's, and the conditions on its parameters
+/// (none for a link on a fixed joint: all of it can be moved).
+fn step<'m>(
+    antecedent: &Attainable<'m>,
+    body: &Body<Fp<'m>>,
+) -> (Attainable<'m>, Option<Echelon<'m>>) {
+    let zero = body.axis_squared.modulus().integer(0);
+    let carried = antecedent.carried(body);
+    let Some(joint) = joint_axis(body, zero) else {
+        return (carried, None);
+    };
+    let cross = cross_matrix(&joint, zero);
+    let mut attainable = carried.moved_by(&cross);
+    let rows = conditions(body, &joint, &cross, &attainable);
+    attainable.add_joint(&joint);
+    (attainable, Some(rows))
 }
 
 /// S, the velocity of the link relative to its antecedent at unit joint velocity.
@@ -131,4 +141,76 @@ fn conditions<'m>(
         insert(&product(square, &transposed(cross)), zero);
     }
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use roberval_mechanism::SourceFormat;
+    use roberval_scalar::SplitMix64;
+    use roberval_testkit::Family;
+    use spatial::{apply, transform};
+
+    /// Squares of this many velocities span all 21 dimensions, if they can.
+    const DRAWS: usize = 30;
+
+    /// A velocity of a body at random joint positions and velocities.
+    fn velocity<'m>(
+        parent: &Vector6<Fp<'m>>,
+        body: &Body<Fp<'m>>,
+        random: &mut SplitMix64,
+    ) -> Vector6<Fp<'m>> {
+        let modulus = body.axis_squared.modulus();
+        let (zero, one) = (modulus.integer(0), modulus.integer(1));
+        let carried = apply(&transform(&body.rotation, body.origin, zero), parent);
+        let Some(joint) = joint_axis(body, zero) else {
+            return carried;
+        };
+        // Rodrigues: 1 - sin C + versine C C, for a sliding joint 1 - q C as C C = 0.
+        let t = modulus.random(random);
+        let inverse = (one + t * t * body.axis_squared)
+            .inverse()
+            .expect("zero for two t at most");
+        let (sine, versine) = ((t + t) * inverse, (t + t) * inverse * t);
+        let cross = cross_matrix(&joint, zero);
+        let once = apply(&cross, &carried);
+        let twice = apply(&cross, &once);
+        let rate = modulus.random(random);
+        std::array::from_fn(|i| carried[i] - sine * once[i] + versine * twice[i] + rate * joint[i])
+    }
+
+    #[test]
+    fn the_spans_are_those_of_velocities_at_random_positions() {
+        for seed in 0..60 {
+            let family = Family {
+                format: [SourceFormat::Mdh, SourceFormat::Urdf][seed as usize % 2],
+                ..Family::default()
+            };
+            let robot = Mechanism::new(&family.robot(seed)).expect("valid");
+            let angles = AngleOrder::of(&robot.description);
+            in_some_field(&robot, angles, seed, 1, |exact, random| {
+                let tree = exact.tree();
+                let zero = tree.constants.zero;
+                let mut draws: Vec<Vec<Vector6<_>>> = Vec::new();
+                let mut spans: Vec<Attainable<'_>> = Vec::new();
+                for (j, body) in tree.bodies.iter().enumerate() {
+                    let base = Attainable::base(tree);
+                    let still = vec![[zero; 6]; DRAWS];
+                    let parents = body.antecedent.map_or(&still, |a| &draws[a]);
+                    let drawn: Vec<_> = parents.iter().map(|u| velocity(u, body, random)).collect();
+                    let antecedent = body.antecedent.map_or(&base, |a| &spans[a]);
+                    let (span, _) = step(antecedent, body);
+                    assert_eq!(span.dimensions_with(&[]), span.dimensions_with(&drawn));
+                    assert_eq!(
+                        Attainable::of_velocities(&drawn).dimensions_with(&[]),
+                        span.dimensions_with(&[]),
+                        "robot {seed}, body {j}"
+                    );
+                    draws.push(drawn);
+                    spans.push(span);
+                }
+            })
+            .expect("in a field");
+        }
+    }
 }
