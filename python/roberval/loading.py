@@ -33,6 +33,7 @@ def load(
     path_or_name: str | os.PathLike[str],
     *,
     keep_fixed: bool = False,
+    rotors: bool = True,
     snap: Snap = "default",
     gravity: Sequence[Number] | None = None,
 ) -> Robot:
@@ -45,6 +46,9 @@ def load(
     keep_fixed : bool
         For URDF: keep links on fixed joints as links of their own. By default they are
         lumped into their parents.
+    rotors : bool
+        Whether driven joints have a rotor inertia Ia of their own. Without, a link has the
+        ten parameters of its rigid body.
     snap : {"default", "off", "aggressive"}
         Set right what the file rounded (1.5708 is pi/2) and take dust (1e-17 m) for zero;
         or take the file as written; or set right 1.57 and 3.14 too. See `Robot.changes`.
@@ -67,7 +71,7 @@ def load(
     >>> rv.load("puma560")
     Robot('PUMA 560', 6 revolute joints, 66 parameters)
     """
-    asked = reading(keep_fixed=keep_fixed, snap=snap, gravity=gravity)
+    asked = reading(keep_fixed=keep_fixed, rotors=rotors, snap=snap, gravity=gravity)
     return Robot._of(_core.Robot.load(os.fspath(path_or_name), asked), asked)
 
 

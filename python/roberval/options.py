@@ -31,18 +31,24 @@ class Reading(TypedDict):
     """How a robot file is read."""
 
     keep_fixed: bool
+    rotors: bool
     snap: str
     gravity: list[str] | None
 
 
 def reading(
-    *, snap: str, keep_fixed: bool = False, gravity: Sequence[Number] | None = None
+    *,
+    snap: str,
+    keep_fixed: bool = False,
+    rotors: bool = True,
+    gravity: Sequence[Number] | None = None,
 ) -> Reading:
     """Return how a robot file is read, as the core takes it."""
     if gravity is not None and (isinstance(gravity, str) or len(gravity) != 3):
         raise OptionError(f"gravity is {gravity!r}, expected three numbers in m/s^2")
     return {
         "keep_fixed": bool(keep_fixed),
+        "rotors": bool(rotors),
         "snap": text("snap", snap),
         "gravity": None if gravity is None else [str(component) for component in gravity],
     }

@@ -162,6 +162,7 @@ class Robot(Rendered):
         text_or_path: str | os.PathLike[str],
         *,
         keep_fixed: bool = False,
+        rotors: bool = True,
         snap: Snap = "default",
         gravity: Sequence[Number] | None = None,
     ) -> Robot:
@@ -177,7 +178,7 @@ class Robot(Rendered):
         keep_fixed : bool
             Keep links on fixed joints as links of their own; by default they are lumped
             into their parents.
-        snap, gravity
+        rotors, snap, gravity
             As in `load`.
 
         Raises
@@ -185,7 +186,7 @@ class Robot(Rendered):
         RobotError
             The file or text is not valid; the message names the line and what would be right.
         """
-        asked = reading(keep_fixed=keep_fixed, snap=snap, gravity=gravity)
+        asked = reading(keep_fixed=keep_fixed, rotors=rotors, snap=snap, gravity=gravity)
         text = os.fspath(text_or_path)
         if text.lstrip("\ufeff \t\r\n").startswith("<"):
             return cls._of(_core.Robot.from_urdf(text, "robot.urdf", asked), asked)

@@ -44,6 +44,9 @@ pub struct Diagnosis {
 pub struct Structure {
     /// b, decided without a tolerance.
     pub rank: usize,
+    /// The rank by the parameter nullspace algorithm, which shares no code with the
+    /// regressor: it must be the same.
+    pub nullspace_rank: usize,
     /// The primes of the fields that agreed.
     pub primes: Vec<u64>,
     /// The seeds of their random values.
@@ -112,6 +115,7 @@ impl Diagnosis {
     /// The diagnosis of an exact decision: the first witness shows its spectrum.
     pub(crate) fn structural(
         exact: &ExactDecision,
+        nullspace_rank: usize,
         decisions: &[(Engine, RankDecision)],
         literal: Option<Literal>,
         residual: f64,
@@ -151,6 +155,7 @@ impl Diagnosis {
             messages,
             structure: Some(Structure {
                 rank,
+                nullspace_rank,
                 primes: exact.primes.clone(),
                 seeds: exact.seeds.clone(),
                 failure_probability: exact.failure_probability,

@@ -11,7 +11,7 @@ use crate::observation::check_size;
 use crate::result::Classes;
 use crate::{
     BaseError, BaseParameters, Choice, Diagnosis, Engine, ExactDecision, ExactNumber, Observation,
-    Samples, decide_exactly, observe,
+    Samples, decide_exactly, nullspace_rank, observe,
 };
 
 /// Samples are never fewer than this: a subtree's own columns (at most 11 a link) are
@@ -118,7 +118,8 @@ fn by_elimination(
     let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
     let witnesses = witnesses(&w, &options.tolerance)?;
     let literal = literal(mechanism, options.model, base.len(), options.seed)?;
-    let diagnosis = Diagnosis::structural(&exact, &witnesses, literal, fresh);
+    let nullspace = nullspace_rank(mechanism, options.seed)?.rank;
+    let diagnosis = Diagnosis::structural(&exact, nullspace, &witnesses, literal, fresh);
     Ok(BaseParameters::new(
         mechanism,
         options,

@@ -173,6 +173,9 @@ pub(crate) struct ReadingArgs {
     /// Keep links on fixed joints of a URDF as links of their own
     #[arg(long)]
     pub keep_fixed: bool,
+    /// Leave rotor inertias Ia out: ten parameters a link, the rigid bodies' own
+    #[arg(long)]
+    pub no_rotors: bool,
     /// Rounded angles (1.5708) and dust of the robot file: set right (default), taken as
     /// written (off), or coarse roundings such as 1.57 set right too (aggressive)
     #[arg(long, default_value = "default", value_parser = snap())]

@@ -12,6 +12,9 @@ pub(crate) fn load(robot: &str, reading: &ReadingArgs) -> Result<Mechanism, CliE
         keep_fixed: reading.keep_fixed,
     };
     let mut description = load_with(robot, options)?;
+    if reading.no_rotors {
+        description = description.without_rotors();
+    }
     if let Some(gravity) = &reading.gravity {
         description.gravity = gravity.0.clone();
     }

@@ -23,6 +23,17 @@ pub struct RobotDescription {
 }
 
 impl RobotDescription {
+    /// The same robot without rotor inertias: ten parameters a link, the rigid bodies'
+    /// own.
+    #[must_use]
+    pub fn without_rotors(mut self) -> Self {
+        for link in &mut self.links {
+            link.rotor = false;
+            link.inertia[10] = None;
+        }
+        self
+    }
+
     /// The index of each link's antecedent, `None` for the base, once it is sure that
     /// names are unique, that every antecedent exists and that there is no cycle.
     ///

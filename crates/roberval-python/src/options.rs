@@ -81,6 +81,7 @@ fn tolerance(py: Python<'_>, argument: Option<ToleranceArgument>) -> PyResult<To
 #[pyo3(from_item_all)]
 pub struct Reading {
     pub keep_fixed: bool,
+    rotors: bool,
     snap: String,
     gravity: Option<[String; 3]>,
 }
@@ -92,6 +93,9 @@ impl Reading {
         py: Python<'_>,
         mut description: RobotDescription,
     ) -> PyResult<Mechanism> {
+        if !self.rotors {
+            description = description.without_rotors();
+        }
         if let Some(gravity) = &self.gravity {
             for (place, text) in description.gravity.iter_mut().zip(gravity) {
                 *place = Quantity::parse_number(text, &description.constants).map_err(|error| {

@@ -84,7 +84,11 @@ fn certainty(answer: &BaseParameters) -> Vec<String> {
             structure.primes.len(),
             size(structure.failure_probability)
         ),
-        format!("In floats: {}", witnesses.join(", ")),
+        format!(
+            "Nullspace algorithm {}; in floats: {}",
+            structure.nullspace_rank,
+            witnesses.join(", ")
+        ),
     ]
     .into_iter()
     .chain(cleaning(answer))

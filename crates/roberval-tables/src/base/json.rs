@@ -122,6 +122,7 @@ fn structure(answer: &BaseParameters) -> Value {
     let structure = answer.diagnosis.structure.as_ref();
     json!(structure.map(|s| json!({
         "rank": s.rank,
+        "nullspace_rank": s.nullspace_rank,
         "primes": s.primes.iter().map(u64::to_string).collect::<Vec<_>>(),
         "seeds": s.seeds.iter().map(u64::to_string).collect::<Vec<_>>(),
         "failure_probability": s.failure_probability,
