@@ -150,7 +150,11 @@ impl Solution {
         for _ in 0..MOST_REFINEMENTS {
             let next = factor.solve(&rest);
             let size = norm(&factor.scaled(&next));
-            if size == 0.0 || size > 0.1 * last || size.is_nan() {
+            if size > 0.1 * last || size.is_nan() {
+                break;
+            }
+            if size == 0.0 {
+                step = next; // nothing is left: the solution is exact
                 break;
             }
             x.iter_mut()
