@@ -1,5 +1,5 @@
 use roberval_linalg::{
-    Matrix, RankDecision, Relations, Tolerance, equilibrate, qrii, relations_qr, unscale_relations,
+    Matrix, RankDecision, Relations, Tolerance, equilibrate, qrii, unscale_relations,
 };
 use roberval_mechanism::Mechanism;
 use roberval_regressor::Model;
@@ -107,11 +107,10 @@ fn by_elimination(
     effect.sort_unstable();
     let w = observation.w.select_columns(&effect);
     check_rows(&w)?;
-    let mut beta_exact: Vec<Vec<ExactNumber>> = rows
+    let beta_exact: Vec<Vec<ExactNumber>> = rows
         .iter()
         .map(|&i| columns.iter().map(|&j| exact.beta[i][j].clone()).collect())
         .collect();
-    round_in_floats(&mut beta_exact, &w, &base, &regrouped, &effect)?;
     let beta = Matrix::from_fn(base.len(), regrouped.len(), |i, j| {
         beta_exact[i][j].to_f64()
     });
@@ -126,32 +125,6 @@ fn by_elimination(
         Some(beta_exact),
         diagnosis,
     ))
-}
-
-/// Fills in, from W, the coefficients that have no exact form.
-fn round_in_floats(
-    beta: &mut [Vec<ExactNumber>],
-    w: &Matrix,
-    base: &[usize],
-    regrouped: &[usize],
-    effect: &[usize],
-) -> Result<(), BaseError> {
-    if beta.iter().flatten().all(ExactNumber::is_exact) {
-        return Ok(());
-    }
-    let at = |columns: &[usize]| -> Vec<usize> {
-        columns
-            .iter()
-            .filter_map(|c| effect.binary_search(c).ok())
-            .collect()
-    };
-    let floats = relations_qr(w, &at(base), &at(regrouped))?.beta;
-    for (i, row) in beta.iter_mut().enumerate() {
-        for (j, x) in row.iter_mut().enumerate().filter(|(_, x)| !x.is_exact()) {
-            *x = ExactNumber::Rounded(floats[(i, j)]);
-        }
-    }
-    Ok(())
 }
 
 /// The exact decision in the order of the user's choice. QRII's own columns, which only

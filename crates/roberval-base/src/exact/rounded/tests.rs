@@ -50,7 +50,7 @@ fn rounded_only(robot: &Mechanism, model: Model, exact: &ExactDecision) -> (Vec<
 #[test]
 fn rounding_gives_the_doubles_next_to_the_exact_fractions_and_surds() {
     let (mut compared, mut surds) = (0, 0);
-    for angles in [Angles::Right, Angles::Twelfths] {
+    for angles in [Angles::Right, Angles::Fifteens] {
         for seed in 0..60 {
             let robot = robot(angles, seed);
             let model = Model::ALL[seed as usize % 3];
@@ -139,7 +139,7 @@ fn the_error_estimate_covers_the_error() {
     // Of exact forms the error is known: it must be below the estimate, which is itself
     // not far above.
     for seed in 0..60 {
-        let robot = robot(Angles::Twelfths, seed);
+        let robot = robot(Angles::Fifteens, seed);
         let exact = decide(&robot, Model::D, seed);
         let w = columns_of_w(&robot, Model::D, 2 * robot.parameters().len(), 3).expect("evaluated");
         for (j, &gone) in exact.deleted.iter().enumerate() {
