@@ -8,7 +8,7 @@
 """
 
 from ._core import __version__
-from .base import BaseParameters, Comparison, Diagnosis, Route
+from .base import BaseParameters, Comparison, Diagnosis, Relations, Route
 from .errors import (
     ArrayError,
     DoubtfulRankWarning,
@@ -22,7 +22,10 @@ from .errors import (
     ShapeError,
     UnknownParameterError,
 )
-from .robot import CatalogueEntry, Choice, Engine, Link, Model, Robot, catalogue, load
+from .loading import CatalogueEntry, catalogue, load
+from .options import Choice, Engine, Model
+from .robot import Link, Robot
+from .scaling import Grade, Scaling
 
 __all__ = [
     "ArrayError",
@@ -33,17 +36,20 @@ __all__ = [
     "Diagnosis",
     "DoubtfulRankWarning",
     "Engine",
+    "Grade",
     "InternalError",
     "Link",
     "MissingPackageError",
     "Model",
     "NumericalError",
     "OptionError",
+    "Relations",
     "RobervalError",
     "Robot",
     "RobotError",
     "RobotWarning",
     "Route",
+    "Scaling",
     "ShapeError",
     "UnknownParameterError",
     "__version__",

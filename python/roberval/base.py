@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import numpy.typing as npt
 
-from . import _core, arrays
+from . import _core, arrays, rendering
 from .arrays import Array
-from .errors import DoubtfulRankWarning
+from .errors import DoubtfulRankWarning, MissingPackageError
+from .options import Options
+from .rendering import Rendered
 
 if TYPE_CHECKING:
+    import pandas
+
     from .robot import Robot
 
 
@@ -50,7 +55,47 @@ class Diagnosis:
     messages: tuple[str, ...]
 
 
-class BaseParameters:
+CLASSES = {
+    "no effect": "rgba(128, 128, 128, 0.1)",
+    "unchanged": "rgba(64, 160, 64, 0.35)",
+    "regrouped into": "rgba(48, 112, 224, 0.35)",
+    "regrouped": "rgba(224, 144, 32, 0.35)",
+}
+"""The classes of parameters and the colours that notebooks show them in."""
+
+
+class Relations(Mapping[str, Mapping[str, float]]):
+    """The relations of the base parameters: label -> {label: coefficient}, itself included.
+
+    ``str()`` gives those that are not trivial in the field's notation.
+    """
+
+    __slots__ = ("_terms", "text")
+
+    text: tuple[str, ...]
+    """The relations that are not trivial, such as ``XXR_6 = XX_6 - YY_6``."""
+
+    def __init__(self, terms: dict[str, dict[str, float]], text: Iterable[str]) -> None:
+        self._terms = terms
+        self.text = tuple(text)
+
+    def __getitem__(self, label: str) -> Mapping[str, float]:
+        return MappingProxyType(self._terms[label])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._terms)
+
+    def __len__(self) -> int:
+        return len(self._terms)
+
+    def __str__(self) -> str:
+        return "\n".join(self.text)
+
+    def __repr__(self) -> str:
+        return f"Relations({self._terms!r})"
+
+
+class BaseParameters(Rendered):
     """The base inertial parameters of a robot (Gautier 1991). Immutable.
 
     The C standard parameters divide into `no_effect`, `base` (X1) and `regrouped` (X2); the
@@ -64,26 +109,38 @@ class BaseParameters:
     Made by `Robot.base_parameters`.
     """
 
-    __slots__ = ("__weakref__", "_beta", "_inner", "_robot")
+    __slots__ = ("_beta", "_options", "_robot", "_samples")
 
     _inner: _core.Answer
     _robot: Robot
+    _options: Options
+    _samples: tuple[Array, Array, Array] | None
     _beta: Array
 
     def __init__(self) -> None:
         raise TypeError("make BaseParameters with Robot.base_parameters")
 
     @classmethod
-    def _of(cls, robot: Robot, core: _core.Answer, *, quiet: bool = False) -> BaseParameters:
-        if not core.clear and not quiet:
-            text = f"{robot.name}: {'; '.join(core.messages)}"
-            warnings.warn(text, DoubtfulRankWarning, stacklevel=3)
+    def _of(
+        cls,
+        robot: Robot,
+        options: Options,
+        core: _core.Answer,
+        samples: tuple[Array, Array, Array] | None = None,
+    ) -> BaseParameters:
         answer = object.__new__(cls)
         answer._inner = core
         answer._robot = robot
+        answer._options = options
+        answer._samples = samples
         answer._beta = core.beta()
         answer._beta.flags.writeable = False
         return answer
+
+    def _warn_of_doubt(self) -> None:
+        if not self._inner.clear:
+            text = f"{self._robot.name}: {'; '.join(self._inner.messages)}"
+            warnings.warn(text, DoubtfulRankWarning, stacklevel=3)
 
     def _labels(self, columns: list[int]) -> tuple[str, ...]:
         labels = self._robot.parameters
@@ -160,14 +217,23 @@ class BaseParameters:
         return self._beta
 
     @property
-    def relations(self) -> Mapping[str, Mapping[str, float]]:
+    def relations(self) -> Relations:
         """Each base parameter as a sum: label -> {label: coefficient}, itself included."""
         regrouped = self.regrouped
         relations = {}
         for label, row in zip(self.base, self._beta.tolist(), strict=True):
             terms = {r: beta for r, beta in zip(regrouped, row, strict=True) if beta != 0}
             relations[label] = {label: 1.0, **terms}
-        return MappingProxyType(relations)
+        return Relations(relations, self._inner.relations)
+
+    @property
+    def classes(self) -> dict[str, str]:
+        """The class of each parameter: no effect, unchanged, regrouped into or regrouped."""
+        members = (self.no_effect, self.unchanged, self.regrouped_into, self.regrouped)
+        of = {
+            label: name for name, labels in zip(CLASSES, members, strict=True) for label in labels
+        }
+        return {label: of[label] for label in self.parameters}
 
     @property
     def diagnosis(self) -> Diagnosis:
@@ -264,6 +330,54 @@ class BaseParameters:
         """
         return self._robot._rows(self.model, self._inner.base, q, qd, qdd, out)
 
+    def to_frame(self) -> pandas.DataFrame:
+        """Return a pandas DataFrame with one row for each standard parameter.
+
+        Columns: ``kind``, ``link``, ``class``; ``X`` and ``XB``, NaN where there is none;
+        ``relation``, empty where trivial.
+
+        Raises
+        ------
+        MissingPackageError
+            pandas is not installed.
+        """
+        try:
+            import pandas
+        except ImportError:
+            raise MissingPackageError("to_frame needs pandas: pip install pandas") from None
+        known = self._robot.inertial_values
+        values = dict(zip(self.base, self.values(), strict=True)) if known else {}
+        relation = dict(zip(self.regrouped_into, self.relations.text, strict=True))
+        labels = list(self.parameters)
+        columns = {
+            "kind": [label.split("_", 1)[0] for label in labels],
+            "link": [label.split("_", 1)[1] for label in labels],
+            "class": list(self.classes.values()),
+            "X": [known.get(label, np.nan) for label in labels],
+            "XB": [values.get(label, np.nan) for label in labels],
+            "relation": [relation.get(label, "") for label in labels],
+        }
+        return pandas.DataFrame(columns, index=pandas.Index(labels, name="parameter"))
+
+    def _repr_html_(self) -> str:
+        classes = self.classes
+        kinds = ("XX", "XY", "XZ", "YY", "YZ", "ZZ", "MX", "MY", "MZ", "M", "Ia")
+        grid = rendering.grid(
+            ["link", *kinds],
+            (
+                [link.name, *(classes.get(f"{kind}_{link.name}", "") for kind in kinds)]
+                for link in self._robot.links
+            ),
+            CLASSES,
+        )
+        doubts = "".join(rendering.paragraph(message) for message in self.diagnosis.messages)
+        relations = rendering.lines(self.relations.text)
+        return rendering.paragraph(repr(self)) + doubts + grid + relations
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The same options give the same answer: cheaper to find again than to store.
+        return analyse, (self._robot, self._options, self._samples)
+
     def __repr__(self) -> str:
         doubt = "" if self._inner.clear else ", doubtful"
         return (
@@ -292,7 +406,19 @@ class Route:
     beta_difference: float
 
 
-class Comparison:
+def analyse(
+    robot: Robot, options: Options, samples: tuple[Array, Array, Array] | None = None
+) -> BaseParameters:
+    """Find the base parameters of a robot with these options, at random samples or at those."""
+    core = robot._inner.base_parameters(options, *(samples or ()))
+    return BaseParameters._of(robot, options, core, samples)
+
+
+def _of_route(options: Options, answer: _core.Answer) -> Options:
+    return {**options, "model": answer.model, "engine": answer.engine}
+
+
+class Comparison(Rendered):
     """All models by all engines. Made by `Robot.compare`.
 
     Attributes
@@ -301,22 +427,28 @@ class Comparison:
         Whether all give one answer and none is in doubt.
     routes : tuple of Route
         Model by model, engine by engine.
+    doubts : tuple of str
+        Why they are not one clear answer; empty if they are.
     """
 
-    __slots__ = ("agree", "routes")
+    __slots__ = ("agree", "doubts", "routes")
 
+    _inner: _core.Comparison
     agree: bool
     routes: tuple[Route, ...]
+    doubts: tuple[str, ...]
 
     def __init__(self) -> None:
         raise TypeError("make a Comparison with Robot.compare")
 
     @classmethod
-    def _of(cls, robot: Robot, core: _core.Comparison) -> Comparison:
+    def _of(cls, robot: Robot, options: Options, core: _core.Comparison) -> Comparison:
         comparison = object.__new__(cls)
+        comparison._inner = core
         comparison.agree = core.agree
+        comparison.doubts = tuple(core.doubts)
         comparison.routes = tuple(
-            Route(BaseParameters._of(robot, answer, quiet=True), same, difference)
+            Route(BaseParameters._of(robot, _of_route(options, answer), answer), same, difference)
             for answer, same, difference in core.routes
         )
         return comparison
@@ -326,3 +458,19 @@ class Comparison:
         verdict = "agree" if self.agree else "do not agree"
         found = ", ".join(map(str, ranks))
         return f"Comparison({len(self.routes)} routes {verdict}: {found} base parameters)"
+
+    def _repr_html_(self) -> str:
+        header = ["model", "engine", "base parameters", "same columns", "beta differs", "clear"]
+        rows = (
+            [
+                route.answer.model,
+                route.answer.engine,
+                str(route.answer.rank),
+                "yes" if route.same_columns else "no",
+                f"{route.beta_difference:.1e}",
+                "yes" if route.answer.diagnosis.clear else "no",
+            ]
+            for route in self.routes
+        )
+        doubts = "".join(rendering.paragraph(doubt) for doubt in self.doubts)
+        return rendering.paragraph(repr(self)) + doubts + rendering.grid(header, rows)

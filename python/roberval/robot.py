@@ -5,24 +5,18 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, SupportsIndex
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, arrays, mdh
+from . import _core, arrays, mdh, rendering
 from .arrays import Array
-from .base import BaseParameters, Comparison
-from .errors import RobervalError, RobotWarning, ShapeError
-
-Model: TypeAlias = Literal["d", "d0", "h"]
-"""Dynamic model, dynamic model at rest, energy model."""
-
-Engine: TypeAlias = Literal["qr", "qrii", "svd"]
-"""Route to rank, choice and relations."""
-
-Choice: TypeAlias = Literal["paper", "pivoted", "prefer"]
-"""Rule by which the kept parameters are chosen."""
+from .base import BaseParameters, Comparison, analyse
+from .errors import OptionError, RobervalError, RobotWarning, ShapeError
+from .options import Choice, Engine, Model, options
+from .rendering import Rendered
+from .scaling import Scaling, scaling_options
 
 
 class Link(NamedTuple):
@@ -52,67 +46,7 @@ class Link(NamedTuple):
     rotor: bool
 
 
-class CatalogueEntry(NamedTuple):
-    """A built-in robot.
-
-    Attributes
-    ----------
-    name : str
-        The name under which `load` finds it.
-    title : str
-        What robot it is.
-    source : str
-        Where its numbers come from.
-    """
-
-    name: str
-    title: str
-    source: str
-
-
-def load(path_or_name: str | os.PathLike[str], *, keep_fixed: bool = False) -> Robot:
-    """Load a robot: a built-in one by its name, or a robot TOML or URDF file.
-
-    Parameters
-    ----------
-    path_or_name : str or path
-        A name of `catalogue`, or the path of a file.
-    keep_fixed : bool
-        For URDF: keep links on fixed joints as links of their own. By default they are
-        lumped into their parents.
-
-    Returns
-    -------
-    Robot
-
-    Raises
-    ------
-    RobotError
-        There is no such file or robot, or the file is not valid; the message names the
-        file, the line and what would be right.
-
-    Examples
-    --------
-    >>> import roberval as rv
-    >>> rv.load("puma560")
-    Robot('PUMA 560', 6 revolute joints, 66 parameters)
-    """
-    return Robot._of(_core.Robot.load(os.fspath(path_or_name), keep_fixed))
-
-
-def catalogue() -> tuple[CatalogueEntry, ...]:
-    """List the built-in robots.
-
-    Examples
-    --------
-    >>> import roberval as rv
-    >>> "puma560" in [entry.name for entry in rv.catalogue()]
-    True
-    """
-    return tuple(CatalogueEntry(*entry) for entry in _core.catalogue())
-
-
-class Robot:
+class Robot(Rendered):
     """A robot: a chain or tree of links and joints. Immutable.
 
     Make one with `load`, `Robot.from_mdh`, `Robot.from_toml` or `Robot.from_urdf`.
@@ -127,7 +61,7 @@ class Robot:
         Ia                 kg m^2 (prismatic: kg), rotor inertia seen from the joint's side
     """
 
-    __slots__ = ("__weakref__", "_inner", "_labels", "_links")
+    __slots__ = ("_labels", "_links")
 
     _inner: _core.Robot
     _labels: tuple[str, ...]
@@ -166,9 +100,10 @@ class Robot:
         rows : iterable of dict or tuple
             One row a link. A dict has the keys of a robot TOML: ``name``, ``antecedent``,
             ``joint`` (``"revolute"``, ``"prismatic"``, ``"fixed"``), ``active``, ``rotor``,
-            ``gamma``, ``b``, ``alpha``, ``d``, ``theta``, ``r``, ``inertia``; all may be left
-            out. A tuple is (alpha, d, theta, r). Lengths in m, angles in rad or text
-            (``"-90 deg"``, ``"pi/2"``); texts may use `constants`.
+            ``gamma``, ``b``, ``alpha``, ``d``, ``theta``, ``r``, ``inertia``; all but
+            ``alpha``, ``d``, ``theta`` and ``r`` may be left out. A tuple is
+            (alpha, d, theta, r). Lengths in m, angles in rad or text (``"-90 deg"``,
+            ``"pi/2"``); texts may use `constants`.
         name : str
             The robot's name.
         gravity : 3 numbers
@@ -434,9 +369,10 @@ class Robot:
         choice: Choice | None = None,
         keep: Sequence[str] = (),
         drop: Sequence[str] = (),
-        seed: int = 0,
-        rows: int | None = None,
+        seed: SupportsIndex = 0,
+        rows: SupportsIndex | None = None,
         tolerance: float | str | None = None,
+        samples: Scaling | tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike] | None = None,
     ) -> BaseParameters:
         """Find the base inertial parameters and how the others regroup onto them.
 
@@ -461,6 +397,8 @@ class Robot:
         tolerance : float or {"paper", "paper-ieee"}
             What counts as zero: a ratio to the column's norm, or the paper's rule
             ``tau = r |T11| eps`` with its own eps 2^-56 or IEEE's 2^-52.
+        samples : Scaling or (q, qd, qdd)
+            Joint states to take instead of random ones; `rows` and `seed` then play no part.
 
         Returns
         -------
@@ -487,17 +425,85 @@ class Robot:
         >>> list(base.relations["XX_6"])
         ['XX_6', 'YY_6']
         """
-        options = {
-            "model": model,
-            "engine": engine,
-            "choice": choice,
-            "keep": list(keep),
-            "drop": list(drop),
-            "seed": seed,
-            "rows": rows,
-            "tolerance": tolerance,
-        }
-        return BaseParameters._of(self, self._inner.base_parameters(options))
+        answer = analyse(
+            self,
+            options(
+                model=model,
+                engine=engine,
+                choice=choice,
+                keep=keep,
+                drop=drop,
+                seed=seed,
+                rows=rows,
+                tolerance=tolerance,
+            ),
+            None if samples is None else self._samples(samples),
+        )
+        answer._warn_of_doubt()
+        return answer
+
+    def _samples(
+        self, samples: Scaling | tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike]
+    ) -> tuple[Array, Array, Array]:
+        if isinstance(samples, Scaling):
+            return samples.q, samples.qd, samples.qdd
+        if not isinstance(samples, tuple) or len(samples) != 3:
+            raise OptionError("samples is no tuple (q, qd, qdd) and no Scaling")
+        q, qd, qdd = samples
+        return arrays.states(q, qd, qdd, self.n)[:3]
+
+    def scale(
+        self,
+        model: Model = "h",
+        *,
+        seed: SupportsIndex = 0,
+        rows: SupportsIndex | None = None,
+        target: float | None = None,
+        starts: SupportsIndex | None = None,
+        rounds: SupportsIndex | None = None,
+        weights: tuple[float, float] | None = None,
+    ) -> Scaling:
+        """Search for samples that show all parameters evenly (Gautier 1991, "Scaling of W").
+
+        Parameters
+        ----------
+        model : {"h", "d", "d0"}
+            The model whose observation matrix W is scaled.
+        seed : int
+            Names the random starts.
+        rows : int
+            Rows of W; by default c, as in the paper, and at least 24 samples of d and d0.
+        target : float
+            The S = max |W_ij| / min |W_ij| to stop at; by default 100.
+        starts : int
+            Random states that compete to start a search.
+        rounds : int
+            How often, on average, a piece of W is searched again while the target is missed.
+        weights : (float, float)
+            l1 and l2 of the criterion J = l1 ||W||_F + l2 S.
+
+        Returns
+        -------
+        Scaling
+            Its samples can be given to `base_parameters`.
+
+        Raises
+        ------
+        OptionError
+            An option is not usable.
+
+        Examples
+        --------
+        >>> import roberval as rv
+        >>> puma = rv.load("puma560")
+        >>> scaling = puma.scale("h")
+        >>> scaling.after.s < 200 < scaling.before.s
+        True
+        >>> puma.base_parameters("h", samples=scaling).rank
+        40
+        """
+        asked = scaling_options(model, seed, rows, target, starts, rounds, weights)
+        return Scaling._of(model, self._labels, self._inner.scale(asked))
 
     def compare(
         self,
@@ -506,7 +512,7 @@ class Robot:
         keep: Sequence[str] = (),
         drop: Sequence[str] = (),
         tolerance: float | str | None = None,
-        seed: int = 0,
+        seed: SupportsIndex = 0,
     ) -> Comparison:
         """Run all models by all engines and tell whether they agree.
 
@@ -522,8 +528,8 @@ class Robot:
         >>> rv.load("puma560").compare().agree
         True
         """
-        core = self._inner.compare(choice, list(keep), list(drop), tolerance, seed)
-        return Comparison._of(self, core)
+        asked = options(choice=choice, keep=keep, drop=drop, tolerance=tolerance, seed=seed)
+        return Comparison._of(self, asked, self._inner.compare(asked))
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Robot):
@@ -544,6 +550,21 @@ class Robot:
             if kind in kinds
         )
         return f"Robot({self.name!r}, {joints}, {len(self._labels)} parameters)"
+
+    def _repr_html_(self) -> str:
+        header = ["link", "antecedent", "joint", "type", "active", "rotor"]
+        rows = (
+            [
+                link.name,
+                link.antecedent or "base",
+                link.joint_name or "",
+                link.joint,
+                "yes" if link.active else "no",
+                "yes" if link.rotor else "no",
+            ]
+            for link in self._links
+        )
+        return rendering.paragraph(repr(self)) + rendering.grid(header, rows)
 
 
 def _restore(format: str, text: str, name: str, keep_fixed: bool) -> Robot:

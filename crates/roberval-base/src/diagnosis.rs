@@ -3,7 +3,7 @@
 use roberval_linalg::RankDecision;
 use roberval_mechanism::ParameterSpace;
 
-use crate::{Engine, ExactDecision};
+use crate::{Engine, ExactDecision, Literal};
 
 /// The dropped and the kept part of the spectrum must be this far apart, or the rank is
 /// doubtful: clean geometry shows 1e10 and more.
@@ -35,6 +35,8 @@ pub struct Diagnosis {
     pub structure: Option<Structure>,
     /// What the float engines make of the same robot.
     pub witnesses: Vec<Witness>,
+    /// What the file as written gives, if it was cleaned.
+    pub literal: Option<Literal>,
 }
 
 /// The structural decision.
@@ -103,6 +105,7 @@ impl Diagnosis {
             messages,
             structure: None,
             witnesses: Vec::new(),
+            literal: None,
         }
     }
 
@@ -110,6 +113,7 @@ impl Diagnosis {
     pub(crate) fn structural(
         exact: &ExactDecision,
         decisions: &[(Engine, RankDecision)],
+        literal: Option<Literal>,
         residual: f64,
     ) -> Self {
         let rank = exact.kept.len();
@@ -131,6 +135,9 @@ impl Diagnosis {
                 .filter(|w| w.rank != rank)
                 .map(|w| w.dissent(rank)),
         );
+        if let Some(literal) = &literal {
+            messages.extend(literal.messages(rank));
+        }
         if !exact.generic.is_empty() {
             messages.push(generic_angles(&exact.generic));
         }
@@ -150,7 +157,30 @@ impl Diagnosis {
                 generic: exact.generic.clone(),
             }),
             witnesses,
+            literal,
         }
+    }
+}
+
+impl Literal {
+    /// What the user should know of the file as written.
+    fn messages(&self, rank: usize) -> Vec<String> {
+        let mut messages = Vec::new();
+        if self.rank != rank {
+            let causes: Vec<&str> = self.blame.iter().map(|b| b.what.as_str()).collect();
+            messages.push(format!(
+                "as written the file has {} base parameters instead of {rank}: {}",
+                self.rank,
+                causes.join("; ")
+            ));
+        }
+        messages.extend(self.near_misses.iter().map(|near| {
+            format!(
+                "{}: left as written; changed, it would make {}",
+                near.what, near.rank
+            )
+        }));
+        messages
     }
 }
 

@@ -1,4 +1,5 @@
 use roberval_linalg::LinalgError;
+use roberval_mechanism::MechanismError;
 use roberval_regressor::RegressorError;
 
 use crate::ExactError;
@@ -62,6 +63,9 @@ pub enum BaseError {
     /// The states do not fit the robot.
     #[error(transparent)]
     Regressor(#[from] RegressorError),
+    /// The description as written is no mechanism.
+    #[error(transparent)]
+    Mechanism(#[from] MechanismError),
     /// The exact engine has no answer.
     #[error(transparent)]
     Exact(#[from] ExactError),

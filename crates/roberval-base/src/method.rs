@@ -6,6 +6,7 @@ use roberval_regressor::Model;
 use roberval_scalar::SplitMix64;
 
 use crate::engine::{Finding, complement};
+use crate::literal::literal;
 use crate::observation::check_size;
 use crate::result::Classes;
 use crate::{
@@ -115,7 +116,9 @@ fn by_elimination(
         beta_exact[i][j].to_f64()
     });
     let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
-    let diagnosis = Diagnosis::structural(&exact, &witnesses(&w, &options.tolerance)?, fresh);
+    let witnesses = witnesses(&w, &options.tolerance)?;
+    let literal = literal(mechanism, options.model, base.len(), options.seed)?;
+    let diagnosis = Diagnosis::structural(&exact, &witnesses, literal, fresh);
     Ok(BaseParameters::new(
         mechanism,
         options,

@@ -23,7 +23,7 @@ fn generated(seed: u64) -> RobotDescription {
         angles: [
             Angles::Right,
             Angles::Mixed,
-            Angles::Twelfths,
+            Angles::Fifteens,
             Angles::Oblique,
         ][pick(2, 4) as usize],
         ..Family::default()

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::builder::{NonEmptyStringValueParser, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ColorChoice, Parser, Subcommand};
 use roberval_base::{Choice, Engine, Model, Options, Tolerance};
+use roberval_mechanism::CleanMode;
 use roberval_scalar::Quantity;
 use roberval_tables::Format;
 
@@ -17,9 +18,21 @@ Examples:
   roberval base arm.urdf --format json        for programs
   roberval base arm.toml --keep MX_2,MY_2     prefer these parameters
   roberval compare arm.urdf                   all models, all engines
+  roberval clean arm.urdf -o clean.urdf       1.5708 becomes pi/2
   roberval regressor arm.urdf states.csv -o W.npy
+  roberval scale arm.urdf --format csv        well scaled samples
 
 Exit codes: 0 clear, 1 computed but doubtful or engines disagree, 2 bad input.";
+
+const BASE: &str = "\
+LABELS are KIND_LINK with commas between them, such as MX_2,YY_forearm; the kinds are XX XY XZ
+YY YZ ZZ MX MY MZ M Ia. csv has a row for each standard parameter and a column for each base
+parameter that others regroup into: its sum-product with X is XB.
+
+Examples:
+  roberval base puma560 --engine svd --model h
+  roberval base arm.urdf --choice pivoted --format latex -o tables.tex
+  roberval base arm.urdf --gravity 0,-9.81,0 --drop M_tool";
 
 const STATES: &str = "\
 States are a CSV file with the columns q_1.., qd_1.. and qdd_1.. (or q_NAME with the name of
@@ -29,6 +42,10 @@ the joint or of its link) in any order, or an NPZ file with the arrays q, qd and
 The array has the shape (N, n, C) for d and d0 and (N, C) for h, in C order, C being the
 standard parameters in the order of `roberval show`, or the base parameters with --base.
 Only differences of the rows of h mean anything.";
+
+const SCALE: &str = "\
+The table shows what the search gained over random samples. --format csv writes the samples
+found, in the form that `roberval regressor` reads; --format json has both.";
 
 /// Base inertial parameters of robots, after Gautier (1991).
 #[derive(Debug, Parser)]
@@ -43,12 +60,18 @@ pub(crate) enum Command {
     /// Show a robot as it is understood; without a robot, list the built-in ones
     Show(ShowArgs),
     /// Find the base parameters and how the others regroup onto them
+    #[command(after_help = BASE)]
     Base(BaseArgs),
     /// Analyse all models by all engines and tell whether they agree
     Compare(CompareArgs),
+    /// Write a robot file with its rounded angles and dust set right
+    Clean(CleanArgs),
     /// Write the regressor at joint states from a file as a NumPy array
     #[command(after_help = STATES)]
     Regressor(RegressorArgs),
+    /// Search for samples that scale W (section 4 of the paper's method)
+    #[command(after_help = SCALE)]
+    Scale(ScaleArgs),
 }
 
 #[derive(Debug, Args)]
@@ -103,6 +126,39 @@ pub(crate) struct RegressorArgs {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct ScaleArgs {
+    #[command(flatten)]
+    pub robot: RobotArgs,
+    /// The linear model: dynamic, dynamic at rest, energy
+    #[arg(long, default_value = "h", value_parser = model())]
+    pub model: Model,
+    /// Names the random starts: the same seed, the same samples
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Rows of W [default: its columns]
+    #[arg(long, value_name = "R", value_parser = rows)]
+    pub rows: Option<usize>,
+    /// The S = max|Wij| / min|Wij| to stop at
+    #[arg(long, value_name = "S", default_value = "100", value_parser = positive)]
+    pub target: f64,
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CleanArgs {
+    /// A robot TOML or URDF file, or the name of a built-in robot
+    #[arg(value_parser = NonEmptyStringValueParser::new())]
+    pub robot: String,
+    /// Set coarse roundings such as 1.57 right too
+    #[arg(long)]
+    pub aggressive: bool,
+    /// Write the cleaned text to this file (replaced as a whole or not at all)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct RobotArgs {
     /// Name of a built-in robot, or a robot TOML or URDF file
     #[arg(value_parser = NonEmptyStringValueParser::new())]
@@ -117,6 +173,10 @@ pub(crate) struct ReadingArgs {
     /// Keep links on fixed joints of a URDF as links of their own
     #[arg(long)]
     pub keep_fixed: bool,
+    /// Rounded angles (1.5708) and dust of the robot file: set right (default), taken as
+    /// written (off), or coarse roundings such as 1.57 set right too (aggressive)
+    #[arg(long, default_value = "default", value_parser = snap())]
+    pub snap: CleanMode,
     /// Gravity in the base frame, m/s^2, instead of the robot file's
     #[arg(long, value_name = "X,Y,Z", value_parser = gravity, allow_hyphen_values = true)]
     pub gravity: Option<Gravity>,
@@ -242,16 +302,30 @@ fn engine() -> impl TypedValueParser<Value = Engine> {
     named(&Engine::ALL, Engine::name)
 }
 
+fn snap() -> impl TypedValueParser<Value = CleanMode> {
+    PossibleValuesParser::new(["default", "off", "aggressive"]).map(|word| match word.as_str() {
+        "off" => CleanMode::Off,
+        "aggressive" => CleanMode::Aggressive,
+        _ => CleanMode::Default,
+    })
+}
+
 fn format() -> impl TypedValueParser<Value = Format> {
     named(&Format::ALL, Format::name)
 }
 
 fn rows(text: &str) -> Result<usize, String> {
-    /// Twice the columns are enough: nobody needs a thousand times that.
-    const MOST: usize = 1_000_000;
     match text.parse() {
-        Ok(rows @ 1..=MOST) => Ok(rows),
-        _ => Err(format!("expected a whole number of rows from 1 to {MOST}")),
+        Ok(0) | Err(_) => Err("expected a whole number of rows, at least 1".to_owned()),
+        Ok(rows) => Ok(rows),
+    }
+}
+
+/// A number above zero.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
+        _ => Err("expected a number above 0".to_owned()),
     }
 }
 

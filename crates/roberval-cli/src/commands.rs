@@ -1,16 +1,19 @@
 //! The subcommands.
 
 use std::io::Write;
+use std::ops::ControlFlow;
 
-use roberval_base::base_parameters;
-use roberval_formats::catalogue;
-use roberval_mechanism::Mechanism;
+use roberval_base::{ScalingOptions, base_parameters};
+use roberval_formats::{catalogue, clean_file};
+use roberval_mechanism::{CleanMode, Mechanism};
 use roberval_tables::{self as tables, Format, RobotEntry};
 
-use crate::arguments::{BaseArgs, Command, CompareArgs, OutputArgs, ShowArgs};
+use crate::arguments::{
+    BaseArgs, CleanArgs, Command, CompareArgs, OutputArgs, ScaleArgs, ShowArgs,
+};
 use crate::error::CliError;
 use crate::output::Target;
-use crate::robot::load;
+use crate::robot::{load, policy};
 use crate::{CLEAR, DOUBTFUL, regressor, say};
 
 /// Runs a subcommand; gives the exit code.
@@ -23,7 +26,9 @@ pub(crate) fn execute(
         Command::Show(args) => show(args, out),
         Command::Base(args) => base(args, out, err),
         Command::Compare(args) => compare(args, out, err),
+        Command::Clean(args) => clean(args, out, err),
         Command::Regressor(args) => regressor::run(args, out, err),
+        Command::Scale(args) => scale(args, out, err),
     }
 }
 
@@ -53,10 +58,40 @@ fn base(args: &BaseArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32
         let mechanism = load(&args.robot.robot, &args.robot.reading)?;
         warn(&mechanism, err);
         let answer = base_parameters(&mechanism, &options)?;
-        doubts.clone_from(&answer.diagnosis.messages);
+        let messages = &answer.diagnosis.messages;
+        if answer.diagnosis.clear {
+            messages.iter().for_each(|m| say(err, "note", m));
+        } else {
+            doubts.clone_from(messages);
+        }
         Ok(tables::base(&answer, format))
     })?;
     Ok(verdict(&doubts, err))
+}
+
+fn clean(args: &CleanArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
+    let target = Target::new(args.output.as_deref())?;
+    let mode = if args.aggressive {
+        CleanMode::Aggressive
+    } else {
+        CleanMode::Default
+    };
+    let (text, changes, near_misses) = clean_file(&args.robot, &policy(mode))?;
+    for change in changes.iter().filter(|c| !c.is_last_digit()) {
+        say(err, "changed", &change.to_string());
+    }
+    for near_miss in &near_misses {
+        say(err, "warning", &near_miss.to_string());
+    }
+    let exact = changes.iter().filter(|c| c.is_last_digit()).count();
+    let count = changes.len() - exact;
+    say(
+        err,
+        "note",
+        &format!("{count} numbers changed, {exact} more were exact to the last digit"),
+    );
+    target.write(out, |sink| sink.write_all(text.as_bytes()))?;
+    Ok(CLEAR)
 }
 
 fn compare(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
@@ -68,6 +103,30 @@ fn compare(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write) -> Resu
         let comparison = roberval_base::compare(&mechanism, &choice, tolerance, args.choice.seed)?;
         doubts = tables::doubts(&comparison);
         Ok(tables::compare(&comparison, format))
+    })?;
+    Ok(verdict(&doubts, err))
+}
+
+fn scale(args: &ScaleArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
+    let options = ScalingOptions {
+        model: args.model,
+        seed: args.seed,
+        rows: args.rows,
+        target: args.target,
+        ..ScalingOptions::default()
+    };
+    let mut doubts = Vec::new();
+    answer(&args.output, out, |format| {
+        let mechanism = load(&args.robot.robot, &args.robot.reading)?;
+        warn(&mechanism, err);
+        let scaling = roberval_base::scale(&mechanism, &options, |_| ControlFlow::Continue(()))?;
+        let (before, after) = (scaling.before.rank, scaling.after.rank);
+        if before != after {
+            doubts.push(format!(
+                "the rank is {before} at random samples and {after} at those found"
+            ));
+        }
+        Ok(tables::scale(&mechanism, &options, &scaling, format))
     })?;
     Ok(verdict(&doubts, err))
 }

@@ -1,7 +1,7 @@
 //! From the robot argument to the mechanism.
 
 use roberval_formats::{UrdfOptions, load_with};
-use roberval_mechanism::Mechanism;
+use roberval_mechanism::{CleanMode, CleanPolicy, Mechanism};
 
 use crate::arguments::ReadingArgs;
 use crate::error::CliError;
@@ -15,8 +15,16 @@ pub(crate) fn load(robot: &str, reading: &ReadingArgs) -> Result<Mechanism, CliE
     if let Some(gravity) = &reading.gravity {
         description.gravity = gravity.0.clone();
     }
-    Mechanism::new(&description).map_err(|error| CliError::Mechanism {
+    Mechanism::cleaned(&description, &policy(reading.snap)).map_err(|error| CliError::Mechanism {
         robot: robot.to_owned(),
         error,
     })
+}
+
+/// The policy of a mode.
+pub(crate) fn policy(mode: CleanMode) -> CleanPolicy {
+    CleanPolicy {
+        mode,
+        ..CleanPolicy::default()
+    }
 }

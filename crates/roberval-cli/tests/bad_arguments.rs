@@ -64,19 +64,16 @@ const CASES: &[(&[&str], &[&str])] = &[
         &["base", "puma560", "--seed", "18446744073709551616"],
         &["--seed"],
     ),
-    (&["base", "puma560", "--rows", "0"], &["from 1 to"]),
+    (&["base", "puma560", "--rows", "0"], &["at least 1"]),
     (&["base", "puma560", "--rows", "-5"], &["-5"]),
     (&["base", "puma560", "--rows=-5"], &["whole number"]),
     (&["base", "puma560", "--rows", "many"], &["whole number"]),
     (&["base", "puma560", "--rows", "1e3"], &["whole number"]),
     (&["base", "puma560", "--rows", "54"], &["54", "55"]),
-    (
-        &["base", "puma560", "--rows", "1000000000000"],
-        &["from 1 to 1000000"],
-    ),
+    (&["base", "puma560", "--rows", "1000000000000"], &["memory"]),
     (
         &["base", "puma560", "--rows", "18446744073709551615"],
-        &["from 1 to 1000000"],
+        &["memory"],
     ),
     (
         &[
@@ -87,7 +84,7 @@ const CASES: &[(&[&str], &[&str])] = &[
             "--rows",
             "18446744073709551615",
         ],
-        &["from 1 to 1000000"],
+        &["memory"],
     ),
     (&["base", "puma560", "--paper-tolerance=-1"], &["negative"]),
     (&["base", "puma560", "--paper-tolerance=nan"], &["finite"]),
@@ -136,6 +133,11 @@ const CASES: &[(&[&str], &[&str])] = &[
         &["regressor", "puma560", "no-such.csv", "-o", "/"],
         &["folder"],
     ),
+    (&["scale", "pumma560"], &["puma560"]),
+    (&["scale", "puma560", "--target", "0"], &["above 0"]),
+    (&["scale", "puma560", "--target", "nan"], &["above 0"]),
+    (&["scale", "puma560", "--rows", "3"], &["55"]),
+    (&["scale", "puma560", "--engine", "qr"], &["--engine"]),
 ];
 
 #[test]

@@ -253,6 +253,8 @@ fn latex_has_no_command_from_a_name_and_balanced_braces() {
         "subsection",
         "subsubsection",
         "raggedright",
+        "small",
+        "tabcolsep",
         "setlength",
         "parindent",
         "hangindent",
@@ -318,6 +320,7 @@ fn every_format_of_every_command_is_written() {
             &["show", "torso"],
             &["base", "scara"],
             &["compare", "ur5"],
+            &["scale", "two_link"],
         ] {
             let text = output(&[args, &["--format", format]].concat());
             assert!(

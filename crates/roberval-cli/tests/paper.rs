@@ -95,9 +95,11 @@ fn json_has_the_keys_that_others_rely_on() {
             "regrouped_into",
             "rank",
             "beta",
+            "beta_exact",
             "relations",
             "values",
             "diagnosis",
+            "cleaning",
             "warnings"
         ]
     );
@@ -118,7 +120,10 @@ fn json_has_the_keys_that_others_rely_on() {
             "tolerance",
             "gap",
             "residual",
-            "messages"
+            "messages",
+            "structural",
+            "float",
+            "literal"
         ]
     );
     assert_eq!(found["diagnosis"]["clear"], true);

@@ -513,3 +513,21 @@ fn a_model_needs_only_what_it_looks_at() {
     assert_eq!(run("d").0, 2);
     assert!(run("h").2.contains("no qd_1, qd_2"), "{}", run("h").2);
 }
+
+#[test]
+fn samples_of_scale_are_states_of_regressor() {
+    let folder = Folder::new("scale");
+    let states = folder.path("states.csv");
+    let run = roberval(&[
+        "scale", "two_link", "--model", "d", "--format", "csv", "-o", &states,
+    ]);
+    assert_eq!((run.code, run.err.as_str()), (0, ""));
+    let (code, out, err) = roberval_bytes(&["regressor", "two_link", &states, "-o", "-"]);
+    assert_eq!(code, 0, "{err}");
+    let json = roberval(&["scale", "two_link", "--model", "d", "--format", "json"]).out;
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let count = json["samples"]["q"].as_array().map_or(0, Vec::len);
+    assert_eq!(npy(&out).0, format!("{count}, 2, 22"));
+    let s = |grade: &str| json[grade]["S"].as_f64().expect("a number");
+    assert!(s("after") <= s("before"));
+}

@@ -14,7 +14,7 @@ mod words;
 
 pub use catalogue::{CatalogueEntry, catalogue};
 pub use error::{Code, FormatError, Position};
-pub use load::{load, load_with};
+pub use load::{clean_file, load, load_with};
 pub use roberval_mechanism::RobotDescription;
 pub use source::MAX_FILE_BYTES;
 pub use toml::{clean_toml, parse_toml, to_toml};

@@ -1,13 +1,13 @@
 use std::io::Read;
 use std::path::Path;
 
-use roberval_mechanism::RobotDescription;
+use roberval_mechanism::{Change, CleanPolicy, NearMiss, RobotDescription};
 
 use crate::catalogue::{catalogue, entry};
 use crate::error::{Code, FormatError};
 use crate::source::{MAX_FILE_BYTES, check_size, decode};
-use crate::toml::parse_toml;
-use crate::urdf::{UrdfOptions, parse_urdf};
+use crate::toml::{clean_toml, parse_toml};
+use crate::urdf::{UrdfOptions, clean_urdf, parse_urdf};
 use crate::words::{list, nearest};
 
 /// Loads a robot: a built-in one by its name in the catalogue, or a file, robot TOML or
@@ -24,26 +24,58 @@ pub fn load(path_or_name: &str) -> Result<RobotDescription, FormatError> {
 /// # Errors
 /// As [`load`].
 pub fn load_with(path_or_name: &str, urdf: UrdfOptions) -> Result<RobotDescription, FormatError> {
+    with_text(path_or_name, |text, name, kind| match kind {
+        Kind::Toml => parse_toml(text, name),
+        Kind::Urdf => parse_urdf(text, name, urdf),
+    })
+}
+
+/// The text of a robot file (or built-in robot) with its rounded angles and dust set
+/// right and everything else as it is; what was changed; and what was left alone.
+///
+/// # Errors
+/// Those of [`load`].
+pub fn clean_file(
+    path_or_name: &str,
+    policy: &CleanPolicy,
+) -> Result<(String, Vec<Change>, Vec<NearMiss>), FormatError> {
+    with_text(path_or_name, |text, name, kind| match kind {
+        Kind::Toml => clean_toml(text, name, policy),
+        Kind::Urdf => clean_urdf(text, name, policy),
+    })
+}
+
+/// What a robot file holds.
+enum Kind {
+    Toml,
+    Urdf,
+}
+
+/// Reads a robot file or built-in robot and hands on its text, its name and its kind.
+fn with_text<T>(
+    path_or_name: &str,
+    read_text: impl FnOnce(&str, &str, Kind) -> Result<T, FormatError>,
+) -> Result<T, FormatError> {
     if let Some(entry) = entry(path_or_name) {
-        return parse_toml(entry.toml, entry.name);
+        return read_text(entry.toml, entry.name, Kind::Toml);
     }
     let bytes = read(path_or_name)?;
     let text = decode(path_or_name, &bytes)?;
     let extension = Path::new(path_or_name)
         .extension()
         .map(|e| e.to_string_lossy().to_ascii_lowercase());
-    let is_xml = match extension.as_deref() {
-        Some("toml") => false,
-        Some("urdf" | "xml") => true,
-        _ => text
+    let kind = match extension.as_deref() {
+        Some("toml") => Kind::Toml,
+        Some("urdf" | "xml") => Kind::Urdf,
+        _ if text
             .trim_start_matches(['\u{feff}', ' ', '\t', '\r', '\n'])
-            .starts_with('<'),
+            .starts_with('<') =>
+        {
+            Kind::Urdf
+        }
+        _ => Kind::Toml,
     };
-    if is_xml {
-        parse_urdf(text, path_or_name, urdf)
-    } else {
-        parse_toml(text, path_or_name)
-    }
+    read_text(text, path_or_name, kind)
 }
 
 fn read(path: &str) -> Result<Vec<u8>, FormatError> {

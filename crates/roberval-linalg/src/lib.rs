@@ -35,7 +35,7 @@ pub use error::LinalgError;
 pub use matrix::Matrix;
 pub use null_space::{deleted_from_null_space, v22_condition};
 pub use qrii::{PivotedQr, qrii};
-pub use reconstruct::{chinese_remainder, rational_from_residue};
+pub use reconstruct::{ChineseRemainder, rational_from_residue};
 pub use relations::{Relations, relations_qr, relations_svd};
 pub use scale::{equilibrate, unscale_relations};
 pub use staircase::{Staircase, plain_qr_diagonal, staircase_qr};

@@ -35,19 +35,33 @@ pub fn rational_from_residue(residue: &BigInt, modulus: &BigInt) -> Option<BigRa
     (used + UNEXPLAINED_BITS <= modulus.bits()).then_some(fraction)
 }
 
-/// The residue modulo `m1 m2` that is `a1` modulo `m1` and `a2` modulo `m2` (m1, m2
-/// coprime), in `0..m1 m2`.
-#[must_use]
-pub fn chinese_remainder(a1: &BigInt, m1: &BigInt, a2: &BigInt, m2: &BigInt) -> BigInt {
-    // m1 is invertible modulo m2, so that this inverse exists.
-    let inverse = m1.modinv(m2).unwrap_or_default();
-    let step = ((a2 - a1) * inverse) % m2;
-    let step = if step.sign() == Sign::Minus {
-        step + m2
-    } else {
-        step
-    };
-    a1 + m1 * step
+/// Joins residues modulo two coprime numbers to one modulo their product.
+#[derive(Debug, Clone)]
+pub struct ChineseRemainder {
+    m1: BigInt,
+    m2: BigInt,
+    /// 1/m1 modulo m2.
+    inverse: BigInt,
+}
+
+impl ChineseRemainder {
+    /// For residues modulo `m1` and `m2`; `None` if these have a factor in common.
+    #[must_use]
+    pub fn new(m1: BigInt, m2: BigInt) -> Option<Self> {
+        let inverse = m1.modinv(&m2)?;
+        Some(Self { m1, m2, inverse })
+    }
+
+    /// The residue that is `a1` modulo m1 and `a2` modulo m2, for a1 in `0..m1` in
+    /// `0..m1 m2`.
+    #[must_use]
+    pub fn join(&self, a1: &BigInt, a2: &BigInt) -> BigInt {
+        let mut step = ((a2 - a1) * &self.inverse) % &self.m2;
+        if step.sign() == Sign::Minus {
+            step += &self.m2;
+        }
+        a1 + &self.m1 * step
+    }
 }
 
 #[cfg(test)]
@@ -91,6 +105,9 @@ mod tests {
     fn two_residues_make_one() {
         let (m1, m2) = (BigInt::from(10_007), BigInt::from(1_000_003));
         let x = BigInt::from(9_876_543_210_i64);
-        assert_eq!(chinese_remainder(&(&x % &m1), &m1, &(&x % &m2), &m2), x);
+        let (a1, a2) = (&x % &m1, &x % &m2);
+        let join = ChineseRemainder::new(m1, m2).expect("coprime");
+        assert_eq!(join.join(&a1, &a2), x);
+        assert!(ChineseRemainder::new(6.into(), 4.into()).is_none());
     }
 }

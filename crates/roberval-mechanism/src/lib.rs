@@ -20,5 +20,5 @@ pub use description::{
     Geometry, JointKind, LinkDescription, MdhGeometry, Mimic, Origin, RobotDescription,
     SourceFormat, TreeError, find_cycle,
 };
-pub use mechanism::{Link, Mechanism, MechanismError};
+pub use mechanism::{Cleaning, Link, Mechanism, MechanismError};
 pub use parameters::{ParameterId, ParameterKind, ParameterSpace};

@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::clean::{CleanPolicy, Cleaned, clean};
 use crate::{JointKind, ParameterSpace, RobotDescription, TreeError, order, placement};
 
 /// A valid robot with numbers: a chain or tree of links, each after its antecedent.
@@ -15,6 +16,18 @@ pub struct Mechanism {
     pub links: Vec<Link>,
     /// What the numbers were made from: the exact engine reads the literals there.
     pub description: Arc<RobotDescription>,
+    /// What was set right before, and the description as it was written; `None` for a
+    /// description taken literally.
+    pub cleaning: Option<Arc<Cleaning>>,
+}
+
+/// How a description was cleaned.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cleaning {
+    /// The description as written.
+    pub written: RobotDescription,
+    /// The cleaned description, what was changed, and what was left alone.
+    pub cleaned: Cleaned,
 }
 
 /// One link of a [`Mechanism`].
@@ -82,7 +95,27 @@ pub enum MechanismError {
 }
 
 impl Mechanism {
-    /// The mechanism of a description: links ordered, geometry as numbers.
+    /// The mechanism of a description whose rounded angles and dust are set right first
+    /// ([`clean`]).
+    ///
+    /// # Errors
+    /// A [`MechanismError`] that names the link and the field.
+    pub fn cleaned(
+        description: &RobotDescription,
+        policy: &CleanPolicy,
+    ) -> Result<Self, MechanismError> {
+        let cleaned = clean(description, policy);
+        let mechanism = Self::new(&cleaned.description)?;
+        Ok(Self {
+            cleaning: Some(Arc::new(Cleaning {
+                written: description.clone(),
+                cleaned,
+            })),
+            ..mechanism
+        })
+    }
+
+    /// The mechanism of a description taken literally: links ordered, geometry as numbers.
     ///
     /// # Errors
     /// A [`MechanismError`] that names the link and the field.
@@ -112,6 +145,7 @@ impl Mechanism {
             gravity,
             links,
             description: Arc::new(description.clone()),
+            cleaning: None,
         };
         if mechanism.dof() == 0 {
             return Err(MechanismError::Rigid {

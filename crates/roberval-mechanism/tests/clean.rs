@@ -256,6 +256,22 @@ fn axes_that_say_what_they_mean_are_left_as_written() {
 }
 
 #[test]
+fn truncations_to_four_decimals_are_roundings_too() {
+    for (text, meant) in [("3.1415", "pi"), ("-1.5707", "-pi/2"), ("0.5235", "pi/6")] {
+        let robot = placed([text, "0", "0"], ["0"; 3], ["0", "0", "1"]);
+        assert_eq!(default_clean(&robot).changes[1].became.text, meant);
+    }
+}
+
+#[test]
+fn the_axis_of_a_fixed_joint_has_no_meaning_and_is_left() {
+    let mut robot = placed(["0"; 3], ["0"; 3], ["1e-9", "0", "1"]);
+    assert_eq!(default_clean(&robot).changes.len(), 2);
+    robot.links[0].joint = JointKind::Fixed;
+    assert_eq!(default_clean(&robot).changes.len(), 1);
+}
+
+#[test]
 fn the_known_near_misses_are_shown_and_set_right_on_request_only() {
     for (text, meant) in [
         ("1.57", "pi/2"),

@@ -1,25 +1,25 @@
 //! Base parameters and comparisons as Python reads them.
 
-use std::sync::Arc;
-
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use roberval_base::{self as base, BaseParameters};
 
+use roberval_tables as tables;
+
 use crate::errors::detached;
+use crate::options::rendering;
+use crate::scaling::matrix;
 use crate::states::vector;
 
 /// The base parameters of a robot, immutable. Columns are numbers into the robot's labels.
 #[pyclass(frozen, module = "roberval._core")]
 pub struct Answer {
-    answer: Arc<BaseParameters>,
+    answer: BaseParameters,
 }
 
 impl Answer {
     pub fn new(answer: BaseParameters) -> Self {
-        Self {
-            answer: Arc::new(answer),
-        }
+        Self { answer }
     }
 }
 
@@ -77,9 +77,7 @@ impl Answer {
 
     /// beta, b x (c - b).
     fn beta<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let beta = &self.answer.beta;
-        let rows = (0..beta.rows()).flat_map(|i| (0..beta.cols()).map(move |j| beta[(i, j)]));
-        PyArray1::from_iter(py, rows).reshape([beta.rows(), beta.cols()])
+        matrix(py, &self.answer.beta)
     }
 
     #[getter]
@@ -116,6 +114,17 @@ impl Answer {
         self.answer.diagnosis.messages.clone()
     }
 
+    /// The relations that are not trivial, in the field's notation.
+    #[getter]
+    fn relations(&self) -> Vec<String> {
+        tables::relations(&self.answer)
+    }
+
+    fn render(&self, py: Python<'_>, format: &str) -> PyResult<String> {
+        let format = rendering(py, format)?;
+        Ok(tables::base(&self.answer, format))
+    }
+
     /// XR1 = X1 + beta (X2 - XR2).
     fn regrouped_values<'py>(
         &self,
@@ -143,19 +152,12 @@ impl Answer {
 /// All models by all engines.
 #[pyclass(frozen, module = "roberval._core")]
 pub struct Comparison {
-    agree: bool,
-    routes: Vec<(Arc<BaseParameters>, bool, f64)>,
+    comparison: base::Comparison,
 }
 
 impl Comparison {
     pub fn new(comparison: base::Comparison) -> Self {
-        let routes = comparison.routes.into_iter();
-        Self {
-            agree: comparison.agree,
-            routes: routes
-                .map(|r| (Arc::new(r.answer), r.same_columns, r.beta_difference))
-                .collect(),
-        }
+        Self { comparison }
     }
 }
 
@@ -163,18 +165,29 @@ impl Comparison {
 impl Comparison {
     #[getter]
     fn agree(&self) -> bool {
-        self.agree
+        self.comparison.agree
     }
 
     /// The answer, whether its columns are the first route's, and the difference of beta.
     #[getter]
     fn routes(&self) -> Vec<(Answer, bool, f64)> {
-        self.routes
-            .iter()
-            .map(|(answer, same, difference)| {
-                let answer = Arc::clone(answer);
-                (Answer { answer }, *same, *difference)
+        let routes = self.comparison.routes.iter();
+        routes
+            .map(|route| {
+                let answer = Answer::new(route.answer.clone());
+                (answer, route.same_columns, route.beta_difference)
             })
             .collect()
+    }
+
+    /// Why the routes are not one clear answer; empty if they are.
+    #[getter]
+    fn doubts(&self) -> Vec<String> {
+        tables::doubts(&self.comparison)
+    }
+
+    fn render(&self, py: Python<'_>, format: &str) -> PyResult<String> {
+        let format = rendering(py, format)?;
+        Ok(tables::compare(&self.comparison, format))
     }
 }

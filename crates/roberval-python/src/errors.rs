@@ -90,7 +90,8 @@ impl IntoPython for BaseError {
                 "OptionError"
             }
             Self::Length { .. } => "ShapeError",
-            Self::Linalg(_) => "NumericalError",
+            Self::Mechanism(_) => "RobotError",
+            Self::Stopped { .. } | Self::Exact(_) | Self::Linalg(_) => "NumericalError",
         };
         raise(py, class, &self.to_string())
     }

@@ -8,6 +8,7 @@ mod command;
 mod errors;
 mod options;
 mod robot;
+mod scaling;
 mod states;
 
 use pyo3::prelude::*;
@@ -18,6 +19,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<robot::Robot>()?;
     module.add_class::<answer::Answer>()?;
     module.add_class::<answer::Comparison>()?;
+    module.add_class::<scaling::Scaling>()?;
     module.add_function(wrap_pyfunction!(robot::catalogue, module)?)?;
     module.add_function(wrap_pyfunction!(command::run_cli, module)?)
 }

@@ -3,11 +3,13 @@
 use pyo3::prelude::*;
 use roberval_base::{Choice, Engine, Model, Options, PAPER_EPS_VAX, Tolerance};
 
+use roberval_tables::Format;
+
 use crate::errors::raise;
 
 /// When a number counts as zero: a ratio, or a rule by name.
 #[derive(FromPyObject)]
-pub enum ToleranceArgument {
+enum ToleranceArgument {
     Ratio(f64),
     Name(String),
 }
@@ -28,7 +30,7 @@ fn engine(py: Python<'_>, name: &str) -> PyResult<Engine> {
 }
 
 /// The paper's choice unless another is named; lists to keep or drop mean `prefer`.
-pub fn choice(
+fn choice(
     py: Python<'_>,
     name: Option<&str>,
     keep: Vec<String>,
@@ -48,7 +50,7 @@ pub fn choice(
     }
 }
 
-pub fn tolerance(py: Python<'_>, argument: Option<ToleranceArgument>) -> PyResult<Tolerance> {
+fn tolerance(py: Python<'_>, argument: Option<ToleranceArgument>) -> PyResult<Tolerance> {
     match argument {
         None => Ok(Tolerance::default()),
         Some(ToleranceArgument::Ratio(dependent)) if dependent > 0.0 && dependent < 1.0 => {
@@ -70,6 +72,12 @@ pub fn tolerance(py: Python<'_>, argument: Option<ToleranceArgument>) -> PyResul
             other => Err(refuse(py, "tolerance", other, &["paper", "paper-ieee"])),
         },
     }
+}
+
+/// Who a table is for.
+pub fn rendering(py: Python<'_>, name: &str) -> PyResult<Format> {
+    name.parse()
+        .map_err(|_| refuse(py, "format", name, &Format::ALL.map(Format::name)))
 }
 
 /// All options of an analysis.

@@ -2,14 +2,16 @@
 
 use numpy::{PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
-use roberval_base::{base_parameters, compare};
+use roberval_base::{base_parameters, base_parameters_at, compare};
 use roberval_formats::{FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml};
 use roberval_mechanism::{JointKind, Mechanism, RobotDescription, SourceFormat};
 use roberval_regressor::Regressor;
+use roberval_tables as tables;
 
 use crate::answer::{Answer, Comparison};
 use crate::errors::{IntoPython, detached};
-use crate::options::{OptionArguments, ToleranceArgument, choice, model, tolerance};
+use crate::options::{self, OptionArguments, rendering};
+use crate::scaling::{self, Scaling, ScalingArguments};
 use crate::states::{OwnedStates, vector};
 
 /// A robot, immutable.
@@ -73,6 +75,11 @@ impl Robot {
 
     fn to_toml(&self, py: Python<'_>) -> PyResult<String> {
         to_toml(&self.mechanism.description).map_err(|error| error.into_python(py))
+    }
+
+    fn render(&self, py: Python<'_>, format: &str) -> PyResult<String> {
+        let format = rendering(py, format)?;
+        Ok(tables::show(&self.mechanism, format))
     }
 
     #[getter]
@@ -158,14 +165,14 @@ impl Robot {
     fn regressor(
         &self,
         py: Python<'_>,
-        model_name: &str,
+        model: &str,
         columns: Option<Vec<usize>>,
         q: PyReadonlyArray2<'_, f64>,
         qd: PyReadonlyArray2<'_, f64>,
         qdd: PyReadonlyArray2<'_, f64>,
         out: &Bound<'_, PyArrayDyn<f64>>,
     ) -> PyResult<()> {
-        let model = model(py, model_name)?;
+        let model = options::model(py, model)?;
         let states = OwnedStates::copy(&q, &qd, &qdd)?;
         drop((q, qd, qdd)); // else `out` could not share memory with them
         let width = columns
@@ -196,25 +203,46 @@ impl Robot {
         })
     }
 
-    /// The base parameters.
-    fn base_parameters(&self, py: Python<'_>, options: OptionArguments) -> PyResult<Answer> {
+    /// The base parameters, at random samples or at those given.
+    #[pyo3(signature = (options, q=None, qd=None, qdd=None))]
+    fn base_parameters(
+        &self,
+        py: Python<'_>,
+        options: OptionArguments,
+        q: Option<PyReadonlyArray2<'_, f64>>,
+        qd: Option<PyReadonlyArray2<'_, f64>>,
+        qdd: Option<PyReadonlyArray2<'_, f64>>,
+    ) -> PyResult<Answer> {
         let options = options.check(py)?;
-        detached(py, || base_parameters(&self.mechanism, &options)).map(Answer::new)
+        let answer = match (q, qd, qdd) {
+            (Some(q), Some(qd), Some(qdd)) => {
+                let samples = OwnedStates::copy(&q, &qd, &qdd)?.into_samples();
+                detached(py, || {
+                    base_parameters_at(&self.mechanism, &options, &samples)
+                })?
+            }
+            _ => detached(py, || base_parameters(&self.mechanism, &options))?,
+        };
+        Ok(Answer::new(answer))
+    }
+
+    /// Samples that scale W.
+    fn scale(&self, py: Python<'_>, options: ScalingArguments) -> PyResult<Scaling> {
+        scaling::search(py, &self.mechanism, options)
     }
 
     /// All models by all engines.
-    fn compare(
-        &self,
-        py: Python<'_>,
-        choice_name: Option<&str>,
-        keep: Vec<String>,
-        drop: Vec<String>,
-        tolerance_argument: Option<ToleranceArgument>,
-        seed: u64,
-    ) -> PyResult<Comparison> {
-        let choice = choice(py, choice_name, keep, drop)?;
-        let tolerance = tolerance(py, tolerance_argument)?;
-        detached(py, || compare(&self.mechanism, &choice, tolerance, seed)).map(Comparison::new)
+    fn compare(&self, py: Python<'_>, options: OptionArguments) -> PyResult<Comparison> {
+        let options = options.check(py)?;
+        detached(py, || {
+            compare(
+                &self.mechanism,
+                &options.choice,
+                options.tolerance,
+                options.seed,
+            )
+        })
+        .map(Comparison::new)
     }
 }
 

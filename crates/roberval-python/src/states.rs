@@ -4,6 +4,7 @@ use numpy::{
     PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
+use roberval_base::Samples;
 use roberval_regressor::{RegressorError, States};
 
 use crate::errors::{detached, raise};
@@ -32,6 +33,16 @@ impl OwnedStates {
             qdd: qdd.to_vec()?,
             dof,
         })
+    }
+
+    /// The states as samples for an analysis.
+    pub fn into_samples(self) -> Samples {
+        Samples {
+            count: self.q.len() / self.dof.max(1),
+            q: self.q,
+            qd: self.qd,
+            qdd: self.qdd,
+        }
     }
 
     /// Calls `fill` for block after block of samples with the GIL released, each with

@@ -87,13 +87,27 @@ impl Modulus {
     /// The residue of an integer.
     #[must_use]
     pub fn integer(&self, n: i64) -> Fp<'_> {
-        let n = (i128::from(n)).rem_euclid(i128::from(self.p)) as u64;
-        self.element(n)
+        let magnitude = self.element(n.unsigned_abs() % self.p);
+        if n < 0 { -magnitude } else { magnitude }
+    }
+
+    /// The element with this residue, a number below p.
+    #[must_use]
+    pub fn element(&self, residue: u64) -> Fp<'_> {
+        debug_assert!(
+            residue < self.p,
+            "{residue} is no residue modulo {}",
+            self.p
+        );
+        self.from_raw(self.product(residue, self.r2))
     }
 
     /// The residue of a large integer.
     #[must_use]
     pub fn big(&self, n: &BigInt) -> Fp<'_> {
+        if let Some(n) = n.to_i64() {
+            return self.integer(n);
+        }
         let magnitude = n.magnitude() % BigUint::from(self.p);
         let residue = self.element(magnitude.to_u64().unwrap_or(0));
         if n.is_negative() { -residue } else { residue }
@@ -101,16 +115,13 @@ impl Modulus {
 
     /// A uniform residue.
     pub fn random(&self, random: &mut SplitMix64) -> Fp<'_> {
-        // 2^64 mod p of bias is below 2^-2 of one residue in 2^62: nothing.
-        let wide = u128::from(random.next_u64()) << 64 | u128::from(random.next_u64());
-        self.element((wide % u128::from(self.p)) as u64)
-    }
-
-    /// The element with this residue below p.
-    fn element(&self, residue: u64) -> Fp<'_> {
-        Fp {
-            value: self.product(residue, self.r2),
-            modulus: self,
+        // As many random bits as p has, until they are below p: at most twice on average.
+        let unused = self.p.leading_zeros();
+        loop {
+            let value = random.next_u64() >> unused;
+            if value < self.p {
+                return self.from_raw(value);
+            }
         }
     }
 

@@ -98,7 +98,11 @@ pub(crate) fn verdict(comparison: &Comparison) -> String {
 /// Every route's doubts, said once each.
 pub(crate) fn doubts(comparison: &Comparison) -> Vec<String> {
     let mut doubts = Vec::new();
-    for Route { answer, .. } in &comparison.routes {
+    let unclear = comparison
+        .routes
+        .iter()
+        .filter(|r| !r.answer.diagnosis.clear);
+    for Route { answer, .. } in unclear {
         for message in &answer.diagnosis.messages {
             let (model, engine) = (answer.model.name(), answer.engine.name());
             doubts.push(format!("{model} by {engine}: {message}"));

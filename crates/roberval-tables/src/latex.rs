@@ -52,7 +52,8 @@ fn table(table: &Table) -> String {
         .iter()
         .map(|c| if c.right { 'r' } else { 'l' })
         .collect();
-    let mut text = format!("\\begin{{longtable}}{{{align}}}\n\\toprule\n");
+    let mut text = "{\\small\\setlength{\\tabcolsep}{3pt}\n".to_owned();
+    text += &format!("\\begin{{longtable}}{{{align}}}\n\\toprule\n");
     text += &row(table
         .columns
         .iter()
@@ -62,7 +63,7 @@ fn table(table: &Table) -> String {
     for cells in &table.rows {
         text += &row(cells.iter().map(cell).collect());
     }
-    text + "\\end{longtable}\n"
+    text + "\\end{longtable}\n}\n"
 }
 
 fn cell(item: &Item) -> String {

@@ -16,13 +16,14 @@ mod markdown;
 mod number;
 mod relation;
 mod robot;
+mod scale;
 mod show;
 mod text;
 
 use std::fmt;
 use std::str::FromStr;
 
-use roberval_base::{BaseParameters, Comparison};
+use roberval_base::{BaseParameters, Comparison, Scaling, ScalingOptions};
 use roberval_mechanism::Mechanism;
 
 use document::Document;
@@ -149,6 +150,24 @@ pub fn doubts(comparison: &Comparison) -> Vec<String> {
     let mut sentences = vec![compare::verdict(comparison)];
     sentences.extend(compare::doubts(comparison));
     sentences
+}
+
+/// What a search for well scaled samples gained.
+///
+/// CSV has the samples, one a row: `q_1`.., `qd_1`.., `qdd_1`.., for h the reference
+/// first.
+#[must_use]
+pub fn scale(
+    mechanism: &Mechanism,
+    options: &ScalingOptions,
+    scaling: &Scaling,
+    format: Format,
+) -> String {
+    match format {
+        Format::Json => scale::json(mechanism, options, scaling),
+        Format::Csv => scale::csv(mechanism, scaling),
+        _ => format.prose(&scale::document(mechanism, options, scaling)),
+    }
 }
 
 /// A built-in robot, as [`catalogue`] lists it.

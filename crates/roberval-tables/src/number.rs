@@ -51,8 +51,12 @@ pub(crate) fn exact(x: f64) -> String {
     }
 }
 
-/// `3.1e13`, or what it is when it is no number.
+/// A size at a glance: `93.2`, `3.1e13`.
 pub(crate) fn size(x: f64) -> String {
+    if (0.01..10_000.0).contains(&x.abs()) {
+        let text = format!("{x:.2e}");
+        return shortest(text.parse().unwrap_or(x));
+    }
     if x == 0.0 || !x.is_finite() {
         return shortest(x);
     }
@@ -74,6 +78,15 @@ mod tests {
         assert_eq!(shortest(2.5e300), "2.5e300");
         assert_eq!(shortest(f64::NAN), "NaN");
         assert_eq!(shortest(f64::MAX), "1.79769313486e308");
+    }
+
+    #[test]
+    fn sizes_are_short() {
+        assert_eq!(
+            [93.17, 0.25, 3.14e13, 0.0].map(size),
+            ["93.2", "0.25", "3.1e13", "0"]
+        );
+        assert_eq!(size(f64::INFINITY), "inf");
     }
 
     #[test]

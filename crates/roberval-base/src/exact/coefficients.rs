@@ -5,7 +5,7 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::Zero;
-use roberval_linalg::{chinese_remainder, rational_from_residue};
+use roberval_linalg::{ChineseRemainder, rational_from_residue};
 use roberval_regressor::{AngleOrder, NotInField};
 use roberval_scalar::Modulus;
 
@@ -121,35 +121,30 @@ pub(super) fn coefficients(
 
 /// Fractions that one prime holds and the other confirms; and the entries left open.
 fn short_fractions(first: &Run, second: &Run) -> (Vec<Vec<ExactNumber>>, Vec<(usize, usize)>) {
+    let p = BigInt::from(first.p);
+    let field = Modulus::new(second.p);
+    let fraction = |a1: u64, a2: u64| {
+        if (a1, a2) == (0, 0) {
+            return Some(BigRational::zero()); // most entries
+        }
+        let fraction = rational_from_residue(&a1.into(), &p)?;
+        let confirmed =
+            field.big(fraction.numer()) == field.big(fraction.denom()) * field.element(a2);
+        confirmed.then_some(fraction)
+    };
     let mut open = Vec::new();
-    let beta = first
-        .beta
-        .iter()
-        .zip(&second.beta)
-        .enumerate()
-        .map(|(i, (row1, row2))| {
-            let entry = |(j, (&a1, &a2)): (usize, (&u64, &u64))| {
-                let found =
-                    fraction(a1, first.p).filter(|x| is_residue(x, &a2.into(), &second.p.into()));
-                found.map_or_else(
-                    || {
-                        open.push((i, j));
-                        ExactNumber::Rounded(f64::NAN)
-                    },
-                    ExactNumber::Rational,
-                )
-            };
-            row1.iter().zip(row2).enumerate().map(entry).collect()
-        });
-    let beta = beta.collect();
-    (beta, open)
-}
-
-fn fraction(residue: u64, p: u64) -> Option<BigRational> {
-    if residue == 0 {
-        return Some(BigRational::zero());
+    let mut beta = Vec::with_capacity(first.beta.len());
+    for (i, (row1, row2)) in first.beta.iter().zip(&second.beta).enumerate() {
+        let mut entry = |(j, (&a1, &a2)): (usize, (&u64, &u64))| match fraction(a1, a2) {
+            Some(fraction) => ExactNumber::Rational(fraction),
+            None => {
+                open.push((i, j));
+                ExactNumber::Rounded(f64::NAN)
+            }
+        };
+        beta.push(row1.iter().zip(row2).enumerate().map(&mut entry).collect());
     }
-    rational_from_residue(&residue.into(), &p.into())
+    (beta, open)
 }
 
 /// Whether `x = residue (mod p)`.
@@ -188,12 +183,12 @@ impl Residues {
             for (run, a) in runs.iter().zip(automorphisms) {
                 let sign =
                     (if root.two { a.two } else { 1 }) * (if root.three { a.three } else { 1 });
-                sum = sum + field.integer(sign) * field.big(&run.beta[i][j].into());
+                sum = sum + field.integer(sign) * field.element(run.beta[i][j]);
             }
             let mut divisor = count;
             for (divides, sqrt) in [(root.two, runs[0].sqrt2), (root.three, runs[0].sqrt3)] {
                 if divides {
-                    divisor = divisor * field.big(&sqrt.into());
+                    divisor = divisor * field.element(sqrt);
                 }
             }
             let inverse = divisor.inverse().unwrap_or(field.integer(0));
@@ -227,6 +222,10 @@ impl Joined {
         beta: &mut [Vec<ExactNumber>],
     ) -> Self {
         let Residues { p: modulus, values } = self.0;
+        let product = &modulus * &next.p;
+        let Some(remainder) = ChineseRemainder::new(modulus.clone(), next.p.clone()) else {
+            return Self(Residues { p: modulus, values }); // the same prime again
+        };
         let mut rest = Vec::new();
         let mut still = Vec::new();
         for ((&(i, j), old), new) in open.iter().zip(values).zip(&next.values) {
@@ -239,8 +238,7 @@ impl Joined {
                     beta[i][j] = ExactNumber::of_terms(terms);
                 }
                 None => {
-                    let join =
-                        |(r, a): (&BigInt, &BigInt)| chinese_remainder(r, &modulus, a, &next.p);
+                    let join = |(r, a): (&BigInt, &BigInt)| remainder.join(r, a);
                     rest.push(old.iter().zip(new).map(join).collect());
                     still.push((i, j));
                 }
@@ -248,7 +246,7 @@ impl Joined {
         }
         *open = still;
         Self(Residues {
-            p: modulus * &next.p,
+            p: product,
             values: rest,
         })
     }

@@ -114,6 +114,21 @@ pub fn decide_exactly(
     })
 }
 
+/// The structural rank alone: the larger of two fields' ranks.
+///
+/// # Errors
+/// [`ExactError`] if a number of the description has no place in a prime field.
+pub(crate) fn structural_rank(
+    mechanism: &Mechanism,
+    model: Model,
+    seed: u64,
+) -> Result<usize, ExactError> {
+    let angles = AngleOrder::of(&mechanism.description);
+    let order: Vec<usize> = (0..mechanism.parameters().len()).collect();
+    let rank = |seed: u64| run(mechanism, model, &order, angles, seed, 1).map(|r| r.kept.len());
+    Ok(rank(seed)?.max(rank(seed.wrapping_add(1))?))
+}
+
 /// Two runs that agree; the rank is never overestimated, so that the larger wins.
 fn agreeing_runs(field: impl Fn(u64) -> Result<Run, NotInField>) -> Result<[Run; 2], ExactError> {
     let mut runs: Vec<Run> = Vec::new();

@@ -12,6 +12,7 @@ mod number;
 mod rounded;
 mod run;
 
+pub(crate) use decision::structural_rank;
 pub use decision::{ExactDecision, ExactError, decide_exactly};
 pub(crate) use field::in_some_field;
 pub use number::ExactNumber;

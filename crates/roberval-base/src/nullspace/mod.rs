@@ -111,9 +111,10 @@ fn conditions<'m>(
     cross: &Matrix6<Fp<'m>>,
     attainable: &Attainable<'m>,
 ) -> Echelon<'m> {
-    let zero = body.axis_squared - body.axis_squared;
+    let modulus = body.axis_squared.modulus();
+    let zero = modulus.integer(0);
     let columns = if body.rotor { 11 } else { 10 };
-    let mut rows = Echelon::new(zero.modulus(), columns);
+    let mut rows = Echelon::new(modulus, columns);
     let mut insert = |square: &Matrix6<Fp<'m>>, rotor: Fp<'m>| {
         let mut row = [rotor; 11];
         row[..10].copy_from_slice(&energy_rate(square));

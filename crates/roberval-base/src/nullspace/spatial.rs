@@ -109,7 +109,7 @@ mod tests {
     }
 
     fn dot<'m>(a: &[Fp<'m>], b: &[Fp<'m>]) -> Fp<'m> {
-        let zero = a[0] - a[0];
+        let zero = a[0].modulus().integer(0);
         a.iter().zip(b).fold(zero, |s, (x, y)| s + *x * *y)
     }
 

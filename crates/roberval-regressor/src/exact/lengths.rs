@@ -35,8 +35,12 @@ impl<'m> Lengths<'m, '_> {
     }
 
     pub fn fraction(&self, x: &BigRational) -> Result<Fp<'m>, NotInField> {
+        let numerator = self.modulus.big(x.numer());
+        if x.is_integer() {
+            return Ok(numerator);
+        }
         let denominator = self.modulus.big(x.denom()).inverse();
-        Ok(self.modulus.big(x.numer()) * denominator.ok_or(NotInField::Inverse)?)
+        Ok(numerator * denominator.ok_or(NotInField::Inverse)?)
     }
 
     fn expr(&self, expr: &Expr, angles: &Angles<'m>) -> Result<Fp<'m>, NotInField> {

@@ -10,6 +10,9 @@ use crate::robot;
 /// A spectrum longer than this is shown around the gap only.
 const LONGEST_SPECTRUM: usize = 120;
 
+/// More changed numbers than these are counted only.
+const MOST_CHANGES: usize = 6;
+
 /// How many values of a long spectrum are shown on either side of the gap.
 const AROUND_GAP: usize = 24;
 
@@ -27,7 +30,6 @@ fn head(answer: &BaseParameters) -> Document {
     let tally = answer.tally();
     let with_effect = tally.base + tally.regrouped;
     let diagnosis = &answer.diagnosis;
-    let clear = if diagnosis.clear { "clear" } else { "DOUBTFUL" };
     let mut lines = vec![
         robot::joints_and_gravity(&answer.mechanism),
         format!(
@@ -46,17 +48,69 @@ fn head(answer: &BaseParameters) -> Document {
             "{} base parameters = {} unchanged + {} regrouped into; {} regrouped away",
             tally.base, tally.unchanged, tally.regrouped_into, tally.regrouped
         ),
-        format!(
-            "The rank is {clear}: {}; the relations hold at fresh samples to {}",
-            gap(answer),
-            size(diagnosis.residual)
-        ),
     ];
-    lines.extend(diagnosis.messages.iter().map(|m| format!("doubt: {m}")));
+    lines.extend(certainty(answer));
+    let word = if diagnosis.clear { "note" } else { "doubt" };
+    lines.extend(diagnosis.messages.iter().map(|m| format!("{word}: {m}")));
     vec![
         Block::Title(answer.mechanism.name.clone()),
         Block::Lines(lines),
     ]
+}
+
+/// How the rank was decided and how sure it is.
+fn certainty(answer: &BaseParameters) -> Vec<String> {
+    let diagnosis = &answer.diagnosis;
+    let fresh = format!(
+        "the relations hold at fresh samples to {}",
+        size(diagnosis.residual)
+    );
+    let Some(structure) = &diagnosis.structure else {
+        let clear = if diagnosis.clear { "clear" } else { "DOUBTFUL" };
+        return vec![format!("The rank is {clear}: {}; {fresh}", gap(answer))];
+    };
+    let witnesses: Vec<String> = diagnosis
+        .witnesses
+        .iter()
+        .map(|w| {
+            let gap = w.gap_at_structural.map_or("none".to_owned(), size);
+            format!("{} {} (gap {gap})", w.engine.name(), w.rank)
+        })
+        .collect();
+    vec![
+        format!(
+            "Structural rank {} (exact, {} primes, failure probability below {}); {fresh}",
+            structure.rank,
+            structure.primes.len(),
+            size(structure.failure_probability)
+        ),
+        format!("In floats: {}", witnesses.join(", ")),
+    ]
+    .into_iter()
+    .chain(cleaning(answer))
+    .collect()
+}
+
+/// What was set right before.
+fn cleaning(answer: &BaseParameters) -> Vec<String> {
+    let Some(cleaning) = &answer.mechanism.cleaning else {
+        return Vec::new();
+    };
+    let changes = &cleaning.cleaned.changes;
+    let listed: Vec<String> = changes
+        .iter()
+        .filter(|c| !c.is_last_digit())
+        .map(ToString::to_string)
+        .collect();
+    if listed.is_empty() {
+        return Vec::new();
+    }
+    let shown = &listed[..listed.len().min(MOST_CHANGES)];
+    let more = match listed.len() - shown.len() {
+        0 => String::new(),
+        n => format!("; and {n} more (all of them in JSON)"),
+    };
+    vec![format!("Set right before: {}{more}", shown.join("; "))]
 }
 
 fn gap(answer: &BaseParameters) -> String {
@@ -99,9 +153,9 @@ fn spectrum(answer: &BaseParameters) -> Document {
 
 fn spectrum_heading(engine: Engine) -> &'static str {
     match engine {
-        Engine::Qrii => "Diagonal |T_ii| of QR with column pivoting",
+        Engine::Qrii | Engine::Exact => "Diagonal |T_ii| of QR with column pivoting",
         Engine::Svd => "Singular values sigma_i",
-        _ => "Diagonal of QR: what the kept columns before it leave of each column",
+        Engine::Qr => "Diagonal of QR: what the kept columns before it leave of each column",
     }
 }
 

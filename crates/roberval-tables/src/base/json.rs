@@ -1,4 +1,5 @@
-use roberval_base::{BaseParameters, Choice, Tally};
+use roberval_base::{BaseParameters, Blame, Choice, Tally, Witness};
+use roberval_mechanism::Change;
 use serde_json::{Map, Value, json};
 
 use super::values;
@@ -24,9 +25,11 @@ pub(crate) fn json(answer: &BaseParameters) -> String {
         "regrouped_into": answer.labels(&answer.regrouped_into),
         "rank": answer.rank(),
         "beta": beta(answer),
+        "beta_exact": beta_exact(answer),
         "relations": crate::relations(answer),
         "values": values_json(answer),
         "diagnosis": diagnosis(answer),
+        "cleaning": cleaning(answer),
         "warnings": answer.mechanism.description.warnings,
     });
     pretty(&value)
@@ -66,6 +69,91 @@ fn beta(answer: &BaseParameters) -> Value {
     Value::Object(rows.collect())
 }
 
+/// Nonzero entries as exact texts (`363/1250`); `null` unless the exact engine found them.
+fn beta_exact(answer: &BaseParameters) -> Value {
+    let Some(beta) = &answer.beta_exact else {
+        return Value::Null;
+    };
+    let labels = answer.parameters.labels();
+    let mut rows = Map::new();
+    for (&base, row) in answer.base.iter().zip(beta) {
+        let terms = answer
+            .regrouped
+            .iter()
+            .zip(row)
+            .filter(|(_, x)| !x.is_zero());
+        let row: Map<String, Value> = terms
+            .map(|(&column, x)| (labels[column].clone(), Value::from(x.to_string())))
+            .collect();
+        if !row.is_empty() {
+            rows.insert(labels[base].clone(), Value::Object(row));
+        }
+    }
+    Value::Object(rows)
+}
+
+/// What was set right in the robot file before, and what the file as written gives.
+fn cleaning(answer: &BaseParameters) -> Value {
+    let Some(cleaning) = &answer.mechanism.cleaning else {
+        return Value::Null;
+    };
+    let changes = |changes: &mut dyn Iterator<Item = &Change>| -> Vec<Value> {
+        let change = |c: &Change| {
+            json!({
+                "link": c.link,
+                "joint": c.joint,
+                "field": c.field.to_string(),
+                "written": c.written.text,
+                "became": c.became.text,
+                "size": c.size,
+                "text": c.to_string(),
+            })
+        };
+        changes.map(change).collect()
+    };
+    let cleaned = &cleaning.cleaned;
+    json!({
+        "changes": changes(&mut cleaned.changes.iter()),
+        "near_misses": changes(&mut cleaned.near_misses.iter().map(|n| &n.change)),
+    })
+}
+
+fn structure(answer: &BaseParameters) -> Value {
+    let structure = answer.diagnosis.structure.as_ref();
+    json!(structure.map(|s| json!({
+        "rank": s.rank,
+        "primes": s.primes.iter().map(u64::to_string).collect::<Vec<_>>(),
+        "seeds": s.seeds.iter().map(u64::to_string).collect::<Vec<_>>(),
+        "failure_probability": s.failure_probability,
+        "generic_angles": s.generic,
+    })))
+}
+
+fn literal(answer: &BaseParameters) -> Value {
+    let blame = |list: &[Blame]| -> Vec<Value> {
+        let one = |b: &Blame| json!({"what": b.what, "rank": b.rank});
+        list.iter().map(one).collect()
+    };
+    let literal = answer.diagnosis.literal.as_ref();
+    json!(literal.map(|l| json!({
+        "rank": l.rank,
+        "blame": blame(&l.blame),
+        "near_misses": blame(&l.near_misses),
+    })))
+}
+
+fn witnesses(answer: &BaseParameters) -> Vec<Value> {
+    let witness = |w: &Witness| {
+        json!({
+            "engine": w.engine.name(),
+            "rank": w.rank,
+            "gap": w.gap,
+            "gap_at_structural": w.gap_at_structural,
+        })
+    };
+    answer.diagnosis.witnesses.iter().map(witness).collect()
+}
+
 fn values_json(answer: &BaseParameters) -> Value {
     let Some((x, xb)) = values(answer) else {
         return json!({"X": null, "XB": null});
@@ -91,5 +179,8 @@ pub(crate) fn diagnosis(answer: &BaseParameters) -> Value {
         "gap": diagnosis.gap,
         "residual": diagnosis.residual,
         "messages": diagnosis.messages,
+        "structural": structure(answer),
+        "float": witnesses(answer),
+        "literal": literal(answer),
     })
 }

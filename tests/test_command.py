@@ -1,0 +1,77 @@
+"""The `roberval` command as the wheel installs it, and `python -m roberval`."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+
+import pytest
+import roberval as rv
+
+SCRIPT = Path(sysconfig.get_path("scripts")) / ("roberval.exe" if os.name == "nt" else "roberval")
+
+
+def run(*arguments: str, module: bool = False) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "roberval"] if module else [str(SCRIPT)]
+    return subprocess.run([*command, *arguments], capture_output=True, text=True, check=False)
+
+
+@pytest.fixture(autouse=True)
+def _installed() -> None:
+    if not SCRIPT.exists():
+        pytest.skip("the roberval script is not beside this Python: pip install .")
+
+
+@pytest.mark.parametrize("module", [False, True])
+def test_the_command_prints_what_python_returns(base: rv.BaseParameters, module: bool) -> None:
+    done = run("base", "puma560", module=module)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.rstrip("\n") == base.table().rstrip("\n")
+
+
+def test_json_comes_alone_on_stdout() -> None:
+    done = run("base", "puma560", "--format", "json", "--model", "h", "--engine", "svd")
+    assert json.loads(done.stdout)["rank"] == 40
+
+
+def test_bad_input_ends_with_2_and_a_sentence() -> None:
+    done = run("base", "puma561")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert 'did you mean the built-in "puma560"' in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_help_is_help() -> None:
+    done = run("--help")
+    assert done.returncode == 0
+    assert "base" in done.stdout
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGPIPE"), reason="no pipes that break")
+def test_a_closed_pipe_is_quiet() -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    command = [str(SCRIPT), "base", "puma560"]
+    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, check=False)
+    os.close(writer)
+    assert done.stderr == b""
+    assert done.returncode in (0, -signal.SIGPIPE)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT to send")
+def test_ctrl_c_ends_the_command(tmp_path: Path) -> None:
+    # A pipe without a writer keeps the command waiting for its robot.
+    fifo = tmp_path / "robot.toml"
+    os.mkfifo(fifo)
+    command = [str(SCRIPT), "base", str(fifo)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        writer = os.open(fifo, os.O_WRONLY)  # returns once the command reads
+        process.send_signal(signal.SIGINT)
+        assert process.communicate(timeout=60) == (b"", b"")
+        os.close(writer)
+    assert process.returncode == -signal.SIGINT

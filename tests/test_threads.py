@@ -1,0 +1,138 @@
+"""The GIL is released, threads do not disturb each other, Ctrl-C is answered."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+import roberval as rv
+from conftest import random_states
+
+PATIENCE = 60.0
+"""Seconds after which a test that hangs fails; it takes well under one."""
+
+
+def overlaps(work: Callable[[], object]) -> bool:
+    """Whether Python code runs while `work` does: only if `work` releases the GIL.
+
+    The switch interval is made so long that no other thread ever gets the GIL by asking.
+    """
+    started, seen = threading.Event(), []
+
+    def worker() -> None:
+        started.set()
+        work()
+        seen.append("worker")
+
+    def watcher() -> None:
+        started.wait(PATIENCE)
+        seen.append("watcher")
+
+    interval = sys.getswitchinterval()
+    threads = [threading.Thread(target=watcher), threading.Thread(target=worker)]
+    try:
+        sys.setswitchinterval(PATIENCE)
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(PATIENCE)
+    finally:
+        sys.setswitchinterval(interval)
+    return seen == ["watcher", "worker"]
+
+
+def test_the_gil_is_released(puma: rv.Robot) -> None:
+    q, qd, qdd = random_states(puma, 20_000)
+    out = np.empty((20_000, 6, 66))
+    base = puma.base_parameters()
+    works: dict[str, Callable[[], object]] = {
+        "regressor": lambda: puma.regressor(q, qd, qdd, out=out),
+        "torques": lambda: puma.torques(q, qd, qdd),
+        "reduced": lambda: base.regressor(q, qd, qdd),
+        "base_parameters": lambda: puma.base_parameters(engine="svd", rows=2000),
+        "compare": puma.compare,
+    }
+    assert {name: overlaps(work) for name, work in works.items()} == dict.fromkeys(works, True)
+
+
+def test_the_watch_for_the_gil_can_fail() -> None:
+    assert not overlaps(lambda: sum(range(10_000)))
+
+
+def test_threads_get_the_serial_answers(puma: rv.Robot) -> None:
+    def work(seed: int) -> tuple[bytes, bytes, int]:
+        states = random_states(puma, 200, seed)
+        base = puma.base_parameters(seed=seed)
+        return puma.regressor(*states).tobytes(), base.beta.tobytes(), base.rank
+
+    serial = [work(seed) for seed in range(16)]
+    with ThreadPoolExecutor(8) as pool:
+        assert list(pool.map(work, range(16))) == serial
+
+
+def test_threads_may_read_one_array_and_write_parts_of_another(puma: rv.Robot) -> None:
+    q, qd, qdd = random_states(puma, 800)
+    out = np.empty((800, 6, 66))
+
+    def work(first: int) -> None:
+        part = slice(first, first + 100)
+        puma.regressor(q[part], qd[part], qdd[part], out=out[part])
+
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(work, range(0, 800, 100)))
+    assert (out == puma.regressor(q, qd, qdd)).all()
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_a_forked_child_computes(puma: rv.Robot) -> None:
+    child = os.fork()
+    if child == 0:
+        os._exit(puma.base_parameters().rank)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 40
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT to send")
+def test_ctrl_c_stops_a_long_call() -> None:
+    script = """
+        import numpy as np, roberval as rv
+        robot = rv.load("puma560")
+        q = np.zeros((1_000, 6))
+        out = np.empty((1_000, 6, 66))
+        try:
+            print("ready", flush=True)
+            while True:  # each call is short, but none may swallow the signal
+                robot.regressor(q, q, q, out=out)
+        except KeyboardInterrupt:
+            print("interrupted", flush=True)
+    """
+    command = [sys.executable, "-c", textwrap.dedent(script)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+        process.send_signal(signal.SIGINT)
+        assert process.communicate(timeout=PATIENCE)[0] == "interrupted\n"
+
+
+def test_ctrl_c_is_seen_between_blocks(puma: rv.Robot) -> None:
+    count = 40_000  # some 15 blocks, tens of milliseconds
+    q = np.zeros((count, 6))
+    out = np.full((count, 6, 66), np.nan)
+    timer = threading.Timer(0.005, lambda: signal.raise_signal(signal.SIGINT))
+
+    def call() -> None:
+        timer.start()
+        puma.regressor(q, q, q, out=out)
+        timer.join()
+
+    with pytest.raises(KeyboardInterrupt):
+        call()
+    assert np.isnan(out[-1]).all(), "the call did not run to its end"
+    assert puma.regressor(q[:2], q[:2], q[:2]).shape == (2, 6, 66), "all is well afterwards"
