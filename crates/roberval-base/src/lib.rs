@@ -3,6 +3,7 @@
 //! The straight line of [`base_parameters`]: samples -> observation matrix W -> columns
 //! without effect out -> rank b -> choice of columns -> beta -> [`BaseParameters`].
 
+mod certificate;
 mod choice;
 mod compare;
 mod diagnosis;
@@ -17,6 +18,7 @@ mod result;
 mod sample;
 mod scaling;
 
+pub use certificate::{CertificateError, CertificateNotes, certificate, certificate_text};
 pub use choice::Choice;
 pub use compare::{Comparison, Failure, Route, compare};
 pub use diagnosis::{Diagnosis, Structure, Witness};

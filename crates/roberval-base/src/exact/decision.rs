@@ -15,6 +15,9 @@ const MOST_FIELDS: u64 = 4;
 /// The structural answer, decided without a tolerance.
 #[derive(Debug, Clone)]
 pub struct ExactDecision {
+    /// All columns in the order asked for: a column is kept exactly when it is
+    /// independent of those before it.
+    pub order: Vec<usize>,
     /// Columns without effect, ascending.
     pub no_effect: Vec<usize>,
     /// Independent columns, in the order asked for.
@@ -36,6 +39,11 @@ pub struct ExactDecision {
     pub samples: Vec<usize>,
     /// Angles that have no exact rotation and stood for generic ones, as written.
     pub generic: Vec<String>,
+    /// The order n of the rotation whose powers are the robot's rational angles: the
+    /// primes are -1 modulo n.
+    pub angle_order: u64,
+    /// An upper bound of the degree of a row's entries in the random values.
+    pub degree: usize,
     /// An upper bound of the probability that the rank is too low.
     pub failure_probability: f64,
 }
@@ -90,6 +98,9 @@ pub fn decide_exactly(
         seed,
     )?;
     Ok(ExactDecision {
+        order: order.to_vec(),
+        angle_order: angles.get(),
+        degree: first.degree,
         failure_probability: failure(&first) * failure(&second),
         primes: vec![first.p, second.p],
         seeds: vec![first.seed, second.seed],

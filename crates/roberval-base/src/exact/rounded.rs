@@ -148,28 +148,24 @@ impl Solution {
         let mut last = f64::INFINITY;
         let mut step = Vec::new();
         for _ in 0..MOST_REFINEMENTS {
-            let next = factor.solve(&rest);
-            let size = norm(&factor.scaled(&next));
-            if size > 0.1 * last || size.is_nan() {
-                break;
-            }
-            if size == 0.0 {
-                step = next; // nothing is left: the solution is exact
-                break;
+            step = factor.solve(&rest);
+            let size = norm(&factor.scaled(&step));
+            if size == 0.0 || size > 0.1 * last || size.is_nan() {
+                break; // what this step would still change is rounding error, too
             }
             x.iter_mut()
-                .zip(&next)
+                .zip(&step)
                 .for_each(|(x, &d)| *x = *x + d.into());
             rest = residual(a, &x, y);
-            (last, step) = (size, next);
+            last = size;
         }
         let noise = norm(&rest.iter().map(|r| r.to_f64()).collect::<Vec<_>>());
-        let rows = factor.row_norms();
-        let converged = step.iter().map(|d| d.abs() * f64::EPSILON);
-        let errors = rows.iter().zip(converged);
+        let errors = factor.row_norms().into_iter().zip(&step);
         Self {
             x,
-            errors: errors.map(|(row, d)| SAFETY * row * noise + d).collect(),
+            errors: errors
+                .map(|(row, d)| SAFETY * row * noise + d.abs())
+                .collect(),
         }
     }
 

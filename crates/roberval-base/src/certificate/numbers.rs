@@ -1,0 +1,197 @@
+//! Numbers as texts that any reader of arithmetic expressions evaluates exactly: whole
+//! numbers, `+ - * /`, brackets, `pi` and `sqrt()`.
+
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::{One, Zero};
+use roberval_scalar::{Expr, LinearInPi, Quantity};
+
+use super::CertificateError;
+use crate::ExactNumber;
+
+/// Named values of a description.
+pub(super) type Constants = [(String, Quantity)];
+
+/// Prime factors of radicands are looked for up to here.
+const LARGEST_FACTOR: u32 = 1000;
+
+/// The longest text of one number: constants written out may grow without end.
+const LONGEST: usize = 4096;
+
+/// The exact value of a number of the description.
+pub(super) fn exact_text(
+    quantity: &Quantity,
+    constants: &Constants,
+) -> Result<String, CertificateError> {
+    let mut text = String::new();
+    let fits = write(&quantity.expr, constants, &mut text);
+    fits.then_some(text)
+        .ok_or_else(|| CertificateError::TooLong {
+            text: quantity.text.clone(),
+            limit: LONGEST,
+        })
+}
+
+/// An angle `r + s pi` as (r, s), s a fraction; s is 0 where there is no such form.
+pub(super) fn exact_angle(
+    angle: &Quantity,
+    constants: &Constants,
+) -> Result<(String, String), CertificateError> {
+    Ok(match LinearInPi::of(&angle.expr, constants) {
+        Some(exact) => (exact.rational.to_string(), exact.half_turns.to_string()),
+        None => (exact_text(angle, constants)?, "0".to_owned()),
+    })
+}
+
+/// Appends the expression; false if it became too long.
+fn write(expr: &Expr, constants: &Constants, text: &mut String) -> bool {
+    if text.len() > LONGEST {
+        return false;
+    }
+    if let Some(exact) = LinearInPi::of(expr, constants) {
+        text.push_str(&linear(&exact));
+        return text.len() <= LONGEST;
+    }
+    let mut pair = |a: &Expr, sign: &str, b: &Expr| {
+        text.push('(');
+        let first = write(a, constants, text);
+        text.push_str(sign);
+        let both = first && write(b, constants, text);
+        text.push(')');
+        both
+    };
+    match expr {
+        Expr::Add(a, b) => pair(a, " + ", b),
+        Expr::Sub(a, b) => pair(a, " - ", b),
+        Expr::Mul(a, b) => pair(a, " * ", b),
+        Expr::Div(a, b) => pair(a, " / ", b),
+        Expr::Neg(a) => {
+            text.push_str("-(");
+            let fits = write(a, constants, text);
+            text.push(')');
+            fits
+        }
+        Expr::Sqrt(a) => {
+            if let Some(square) = LinearInPi::of(a, constants)
+                && let Some(square) = square.as_rational()
+            {
+                text.push_str(&root_of_fraction(square));
+                return text.len() <= LONGEST;
+            }
+            text.push_str("sqrt(");
+            let fits = write(a, constants, text);
+            text.push(')');
+            fits
+        }
+        Expr::Name(name) => match constants.iter().position(|(n, _)| n == name) {
+            Some(at) => write(&constants[at].1.expr, &constants[..at], text),
+            None => false,
+        },
+        // These are of the form r + s pi.
+        Expr::Number(_) | Expr::Pi => false,
+    }
+}
+
+/// `sqrt(n/d) = sqrt(n d)/d`, a product of square roots of primes where these are easy
+/// to find: a prime field has a certain root of 2, 3 and 5, and must be asked for those.
+fn root_of_fraction(square: &BigRational) -> String {
+    let mut rest = square.numer() * square.denom();
+    let mut factor = BigRational::new(BigInt::one(), square.denom().clone());
+    let mut roots = Vec::new();
+    for q in 2..LARGEST_FACTOR {
+        while (&rest % (q * q)).is_zero() {
+            rest /= q * q;
+            factor *= BigInt::from(q);
+        }
+        if (&rest % q).is_zero() {
+            rest /= q;
+            roots.push(format!("*sqrt({q})"));
+        }
+    }
+    if !rest.is_one() {
+        roots.push(format!("*sqrt({rest})"));
+    }
+    format!("({factor}{})", roots.concat())
+}
+
+/// `(3/10)`, `(1/2*pi)` or `(3/10 + 1/2*pi)`; brackets only where there is an operation.
+fn linear(x: &LinearInPi) -> String {
+    match (x.rational.is_zero(), x.half_turns.is_zero()) {
+        (_, true) => bracketed(x.rational.to_string()),
+        (true, false) => format!("({}*pi)", x.half_turns),
+        (false, false) => format!("({} + {}*pi)", x.rational, x.half_turns),
+    }
+}
+
+fn bracketed(text: String) -> String {
+    if text.contains(['/', '-']) {
+        format!("({text})")
+    } else {
+        text
+    }
+}
+
+/// A coefficient of beta: a fraction, a sum with square roots, or, after `nearest`, the
+/// double as `m/2^k` with the 53 bits of m.
+pub(super) fn coefficient(x: &ExactNumber) -> String {
+    match x {
+        ExactNumber::Rational(r) => r.to_string(),
+        ExactNumber::Surd(terms) => {
+            let term = |(n, r): &(u32, BigRational)| match n {
+                1 => r.to_string(),
+                n => format!("{r}*{}", root_of_fraction(&BigInt::from(*n).into())),
+            };
+            terms.iter().map(term).collect::<Vec<_>>().join(" + ")
+        }
+        ExactNumber::Rounded(x) => {
+            let exact = BigRational::from_float(*x).unwrap_or_else(BigRational::zero);
+            let more = 53_u64.saturating_sub(exact.numer().bits());
+            format!(
+                "nearest {}/{}",
+                exact.numer() << more,
+                exact.denom() << more
+            )
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn text(written: &str) -> String {
+        let third = Quantity::parse_number("1/3", &[]).expect("a number");
+        let constants = [("third".to_owned(), third)];
+        let quantity = Quantity::parse_angle(written, &constants).expect("an angle");
+        exact_text(&quantity, &constants).expect("short")
+    }
+
+    #[test]
+    fn numbers_are_written_exactly_and_without_names() {
+        assert_eq!(text("0.290"), "(29/100)");
+        assert_eq!(text("-3"), "(-3)");
+        assert_eq!(text("-90 deg"), "(-1/2*pi)");
+        assert_eq!(text("third - 2*pi"), "(1/3 + -2*pi)");
+        assert_eq!(
+            text("-sqrt(2*third)/third"),
+            "(-((1/3*sqrt(2)*sqrt(3))) / (1/3))"
+        );
+    }
+
+    #[test]
+    fn constants_that_grow_without_end_are_refused() {
+        let mut constants: Vec<(String, Quantity)> = Vec::new();
+        let mut before = "sqrt(2)".to_owned();
+        for k in 0..40 {
+            let quantity = Quantity::parse_number(&format!("{before} + {before}"), &constants);
+            let name = format!("c{k}");
+            constants.push((name.clone(), quantity.expect("a number")));
+            before = name;
+        }
+        let last = constants.pop().expect("forty").1;
+        assert!(matches!(
+            exact_text(&last, &constants),
+            Err(CertificateError::TooLong { .. })
+        ));
+    }
+}

@@ -1,0 +1,310 @@
+//! Certificates against their checker, a Python file that shares nothing with this crate.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use roberval_base::{
+    CertificateNotes, Engine, ExactDecision, Model, Witness, certificate, certificate_text,
+    decide_exactly,
+};
+use roberval_mechanism::{Geometry, Mechanism, RobotDescription, SourceFormat};
+use roberval_scalar::Quantity;
+use roberval_testkit::{Angles, Family};
+
+/// Of the PUMA, the issue says; it takes a tenth.
+const LARGEST_CERTIFICATE: usize = 200_000;
+
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn mechanism(description: &RobotDescription) -> Mechanism {
+    Mechanism::new(description).expect("valid")
+}
+
+fn robot(name: &str) -> Mechanism {
+    mechanism(&roberval_formats::load(name).expect("readable"))
+}
+
+fn small_urdf() -> Mechanism {
+    let path = repository().join("crates/roberval-formats/tests/data/small.urdf");
+    robot(path.to_str().expect("a path in UTF-8"))
+}
+
+fn decide(robot: &Mechanism, model: Model) -> ExactDecision {
+    let order: Vec<usize> = (0..robot.parameters().len()).collect();
+    decide_exactly(robot, model, &order, 1).expect("decided")
+}
+
+fn text(robot: &Mechanism, model: Model, decision: &ExactDecision) -> String {
+    let notes = CertificateNotes {
+        changes: &["joint3 rpy[0] = 1.5708 is 3.7e-6 rad from pi/2".to_owned()],
+        witnesses: &[Witness {
+            engine: Engine::Qrii,
+            rank: decision.kept.len(),
+            gap: Some(1.5e11),
+            gap_at_structural: None,
+        }],
+    };
+    certificate_text(&certificate(robot, model, decision, notes).expect("certified"))
+}
+
+/// Certificates in a directory of their own, which goes with this.
+struct Files(PathBuf);
+
+impl Files {
+    fn new(name: &str) -> Self {
+        let directory =
+            std::env::temp_dir().join(format!("roberval-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&directory).expect("a temporary directory");
+        Self(directory)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.0.join(name), text).expect("written");
+    }
+
+    /// Runs `tests/certificates.py` on the directory: it expects what the files' names
+    /// begin with. Skips, and says so, where there is no Python.
+    fn check(&self, how: &str) {
+        let script = repository().join("tests/certificates.py");
+        let run = Command::new("python3")
+            .arg(&script)
+            .arg(how)
+            .arg(&self.0)
+            .output();
+        match run {
+            Err(error) => eprintln!("skipped: python3 does not run: {error}"),
+            Ok(output) => {
+                let said = String::from_utf8_lossy(&output.stdout);
+                let complained = String::from_utf8_lossy(&output.stderr);
+                assert!(output.status.success(), "{said}{complained}");
+                eprint!("{said}");
+            }
+        }
+    }
+}
+
+impl Drop for Files {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn certificates_of_the_catalogue_a_urdf_and_generated_robots_are_accepted() {
+    let files = Files::new("accept");
+    for (k, entry) in roberval_formats::catalogue().iter().enumerate() {
+        let robot = robot(entry.name);
+        let model = Model::ALL[k % 3];
+        let text = text(&robot, model, &decide(&robot, model));
+        assert!(
+            text.len() < LARGEST_CERTIFICATE,
+            "{}: {}",
+            entry.name,
+            text.len()
+        );
+        files.write(&format!("accepted-{}.json", entry.name), &text);
+    }
+    let urdf = small_urdf();
+    files.write(
+        "accepted-urdf.json",
+        &text(&urdf, Model::D, &decide(&urdf, Model::D)),
+    );
+    for (k, angles) in [Angles::Right, Angles::Fifteens, Angles::Oblique]
+        .iter()
+        .enumerate()
+    {
+        for (l, format) in [SourceFormat::Mdh, SourceFormat::Urdf]
+            .into_iter()
+            .enumerate()
+        {
+            for seed in 0..4 {
+                let family = Family {
+                    angles: *angles,
+                    format,
+                    links: (2, 6),
+                    ..Family::default()
+                };
+                let robot = mechanism(&family.robot(seed));
+                let model = Model::ALL[(seed as usize + k) % 3];
+                let text = text(&robot, model, &decide(&robot, model));
+                files.write(&format!("accepted-{k}-{l}-{seed}.json"), &text);
+            }
+        }
+    }
+    // Badly conditioned: the checker knows the coefficients to two hundred digits.
+    for seed in [8, 17, 28] {
+        let family = Family {
+            angles: Angles::Oblique,
+            links: (10, 16),
+            ..Family::default()
+        };
+        let robot = mechanism(&family.robot(seed));
+        files.write(
+            &format!("accepted-long-{seed}.json"),
+            &text(&robot, Model::D, &decide(&robot, Model::D)),
+        );
+    }
+    for (k, robot) in odd_robots().iter().enumerate() {
+        for model in Model::ALL {
+            let text = text(robot, model, &decide(robot, model));
+            files.write(&format!("accepted-odd-{k}-{}.json", model.name()), &text);
+        }
+    }
+    files.check("verdicts");
+}
+
+#[test]
+fn the_checker_says_in_one_line_and_by_its_exit_code_what_it_thinks() {
+    let files = Files::new("command");
+    let robot = robot("two_link");
+    let text = text(&robot, Model::D, &decide(&robot, Model::D));
+    files.write("good.json", &text);
+    files.write("changed.json", &text.replace("[\"ZZ_1\"", "[\"ZZ_2\""));
+    files.write("cut.json", &text[..text.len() / 2]);
+    for (name, code, begin) in [
+        ("good.json", 0, "accepted: "),
+        (
+            "changed.json",
+            1,
+            "refused: sha256 is that of something else",
+        ),
+        ("cut.json", 1, "refused: "),
+        ("missing.json", 1, "refused: "),
+    ] {
+        let script = repository().join("python/roberval/check_certificate.py");
+        let Ok(output) = Command::new("python3")
+            .arg(script)
+            .arg(files.0.join(name))
+            .output()
+        else {
+            eprintln!("skipped: python3 does not run");
+            return;
+        };
+        let said = [output.stdout, output.stderr].concat();
+        let said = String::from_utf8_lossy(&said);
+        assert_eq!(output.status.code(), Some(code), "{name}: {said}");
+        assert!(
+            said.starts_with(begin) && said.lines().count() == 1,
+            "{name}: {said}"
+        );
+    }
+}
+
+/// Robots with expressions: square roots, pi in lengths, angles in radians and of no form,
+/// constants, names that JSON must escape.
+fn odd_robots() -> Vec<Mechanism> {
+    let mut description = (*robot("scara").description).clone();
+    description.name = "\u{7f}\t\u{1}\"\\/ \u{e9}\u{1F916}\u{2028}".to_owned();
+    let half = Quantity::parse_number("1/2", &[]).expect("a number");
+    description.constants.push(("half".to_owned(), half));
+    let expressions = [
+        "sqrt(2)*half",
+        "0.3",
+        "sqrt(7)/20",
+        "pi/10",
+        "-0.3",
+        "sqrt(50)/3 - pi",
+        "pi/7 + 0.3",
+        "sqrt(2)",
+        "0.25",
+        "sqrt(sqrt(5))",
+        "37*pi/180",
+        "-sqrt(2/3)",
+    ];
+    let mut robots = vec![mechanism(&description)];
+    for shift in 0..4 {
+        let mut changed = description.clone();
+        let chosen = numbers(&mut changed).into_iter().skip(3 + shift).step_by(3);
+        for (number, text) in chosen.zip(expressions) {
+            *number = Quantity::parse_number(text, &description.constants).expect("a number");
+        }
+        robots.push(mechanism(&changed));
+    }
+    robots
+}
+
+#[test]
+fn a_certificate_with_any_entry_changed_is_refused() {
+    // With fractions, with square roots, and with rounded coefficients.
+    let files = Files::new("mutations");
+    let scara = robot("scara");
+    files.write(
+        "scara.json",
+        &text(&scara, Model::D, &decide(&scara, Model::D)),
+    );
+    for (seed, angles) in [(3, Angles::Fifteens), (2, Angles::Oblique)] {
+        let family = Family {
+            angles,
+            links: (3, 3),
+            prismatic: 0.0,
+            fixed: 0.0,
+            ..Family::default()
+        };
+        let robot = mechanism(&family.robot(seed));
+        let text = text(&robot, Model::H, &decide(&robot, Model::H));
+        files.write(&format!("generated-{seed}.json"), &text);
+    }
+    files.check("mutations");
+}
+
+/// Every number of the geometry, and gravity.
+fn numbers(robot: &mut RobotDescription) -> Vec<&mut Quantity> {
+    let mut numbers: Vec<&mut Quantity> = robot.gravity.iter_mut().collect();
+    for link in &mut robot.links {
+        match &mut link.geometry {
+            Geometry::Mdh(g) => {
+                numbers.extend([&mut g.gamma, &mut g.b, &mut g.alpha, &mut g.d, &mut g.theta]);
+                numbers.push(&mut g.r);
+            }
+            Geometry::Placed { origins, axis } => {
+                for origin in origins {
+                    numbers.extend(origin.xyz.iter_mut().chain(&mut origin.rpy));
+                }
+                numbers.extend(axis);
+            }
+        }
+    }
+    numbers
+}
+
+fn same_answer(a: &ExactDecision, b: &ExactDecision) -> bool {
+    (&a.no_effect, &a.kept, &a.deleted, &a.beta) == (&b.no_effect, &b.kept, &b.deleted, &b.beta)
+        && (a.angle_order, a.degree, a.generic.len()) == (b.angle_order, b.degree, b.generic.len())
+}
+
+#[test]
+fn an_answer_is_accepted_for_another_geometry_exactly_if_it_is_its_answer() {
+    // A forger changes one number of the geometry and computes the hashes anew.
+    let files = Files::new("forged");
+    let (mut accepted, mut refused) = (0, 0);
+    for (name, original) in [
+        ("scara", robot("scara")),
+        ("puma", robot("puma560")),
+        ("urdf", small_urdf()),
+    ] {
+        let decision = decide(&original, Model::D);
+        let mut description = (*original.description).clone();
+        for k in 0..numbers(&mut description).len() {
+            let mut changed = description.clone();
+            let number = numbers(&mut changed).swap_remove(k);
+            *number =
+                Quantity::parse_number(&format!("{} + 1/7", number.expr), &description.constants)
+                    .expect("a number");
+            let Ok(other) = Mechanism::new(&changed) else {
+                continue;
+            };
+            let same = same_answer(&decision, &decide(&other, Model::D));
+            *(if same { &mut accepted } else { &mut refused }) += 1;
+            let verdict = if same { "accepted" } else { "refused" };
+            files.write(
+                &format!("{verdict}-{name}-{k}.json"),
+                &text(&other, Model::D, &decision),
+            );
+        }
+    }
+    eprintln!("{accepted} forgeries are true, {refused} are not");
+    assert!(accepted > 10 && refused > 10);
+    files.check("verdicts");
+}

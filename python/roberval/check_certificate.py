@@ -1,0 +1,300 @@
+"""Check a roberval certificate: `python check_certificate.py certificate.json`.
+
+This file stands alone: plain Python, whole numbers only, no code shared with roberval. From the
+geometry in the certificate it builds a model of its own, the energies of all links in the base's
+frame: whether the certificate is about d, d0 or h, parameters have no effect together exactly when
+they add a constant to the energy (Gautier 1991, eq. (11)). At random states of its own, modulo each
+prime and with 768 binary digits, it eliminates the base columns: they must be independent (modulo
+a prime this is a proof), leave nothing of any other column, at fresh states too, and give beta:
+exactly or, where the certificate says "nearest", rounded to the nearest double. Modulo a prime,
+random rotations stand for angles that are no multiples of 2 pi/angle_order. The SHA-256 alone
+guards version, model, seeds, samples, changes, texts of generic angles, rounding error, witnesses.
+Exit code: 0 accepted, 1 refused.
+"""
+
+# ruff: noqa: B905
+import ast
+import hashlib
+import json
+import random
+import sys
+from fractions import Fraction
+from functools import partial
+from math import isqrt, lcm, prod
+from pathlib import Path
+from typing import Any
+
+__all__ = ["check"]
+
+BITS = 768  # binary digits behind the point
+FRESH = 3  # samples that must add nothing before the rank counts as reached
+KINDS = ["XX", "XY", "XZ", "YY", "YZ", "ZZ", "MX", "MY", "MZ", "M", "Ia"]
+KEYS = """angle_order base beta changes degree failure_log2 format generic model no_effect order
+primes rank regrouped robot robot_sha256 rounding_error samples seeds sha256 version witnesses"""
+Vector = list[int]
+Rotation = tuple[int, int]  # cosine and sine
+canonical = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=False).encode
+draw = random.SystemRandom().randrange
+
+
+def require(condition: bool, reason: str) -> None:
+    if not condition:
+        raise ValueError(reason)
+
+
+def is_prime(n: int) -> bool:
+    """Test as Miller and Rabin do: the first twelve primes decide all n below 3.3e24."""
+    bases = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37]
+    if n < 41 or any(n % q == 0 for q in bases):
+        return n in bases
+    twos = ((n - 1) & (1 - n)).bit_length() - 1
+    powers = [[pow(a, (n - 1) >> k, n) for k in range(1, twos + 1)] for a in bases]
+    return all(n - 1 in chain or chain[-1] == 1 for chain in powers)
+
+
+def value(node: Any, n: Any) -> Any:
+    """Evaluate a text of whole numbers, pi, sqrt and + - * / in the numbers n."""
+    match node:
+        case str():
+            return value(ast.parse(node, mode="eval").body, n)
+        case ast.Constant(value=int(k)):
+            return k * n.one
+        case ast.Name(id="pi"):
+            return n.pi
+        case ast.Call(func=ast.Name(id="sqrt"), args=[a]):
+            return n.root(value(a, n))
+        case ast.UnaryOp(op=ast.USub(), operand=a):
+            return -value(a, n)
+        case ast.BinOp(left=a, op=ast.Add() | ast.Sub() as sign, right=b):
+            return value(a, n) + value(b, n) * (1 if isinstance(sign, ast.Add) else -1)
+        case ast.BinOp(left=a, op=ast.Mult(), right=b):
+            return n.reduce(value(a, n) * value(b, n))
+        case ast.BinOp(left=a, op=ast.Div(), right=b):
+            return n.reduce(value(a, n) * n.inverse(value(b, n)))
+    raise ValueError(f"{node!r} has no place in a number")
+
+
+class Field:
+    """Numbers modulo p; `order` is that of the rotation whose powers are the angles."""
+
+    def __init__(self, p: int, order: int) -> None:
+        self.p, self.span, self.one, self.tiny = p, p, 1, 0
+        self.eye = ([1, 0, 0], [0, 1, 0], [0, 0, 1])
+        self.reduce, self.inverse = p.__rmod__, partial(pow, exp=-1, mod=p)  # x % p, 1/x
+        self.order, self.name, self.pi = order, f"modulo {p}", draw(p)
+        self.generic: dict[Any, Rotation] = {}
+        self.rotations, self.needed, self.turn = 0, 120, (1, 0)
+        require(order % 120 == 0, f"order {order} has no square roots of 2, 3 and 5")
+        small = [q for q in range(1, isqrt(order) + 1) if order % q == 0]
+        divisors = small + [order // q for q in small[1:]]
+        while any(self.power(self.turn, d) == (1, 0) for d in divisors):
+            self.turn = self.power(self.point(), (p + 1) // order)
+        if self.power(self.turn, order // 4) != (0, 1):
+            self.turn = (self.turn[0], -self.turn[1] % p)
+        cosine = [self.power(self.turn, order // k)[0] for k in (8, 12, 10)]
+        self.roots = {2: 2 * cosine[0], 3: 2 * cosine[1], 5: 4 * cosine[2] - 1}
+
+    def root(self, x: int) -> int:
+        return self.roots.get(x, pow(x, (self.p + 1) // 4, self.p))
+
+    def point(self) -> Rotation:
+        t = draw(self.p)
+        below = self.inverse(1 + t * t)
+        return (1 - t * t) * below % self.p, 2 * t * below % self.p
+
+    def compose(self, a: Rotation, b: Rotation) -> Rotation:
+        return (a[0] * b[0] - a[1] * b[1]) % self.p, (a[0] * b[1] + a[1] * b[0]) % self.p
+
+    def power(self, a: Rotation, k: int) -> Rotation:
+        result = (1, 0)
+        for bit in f"{k:b}":
+            result = self.compose(result, result)
+            result = self.compose(result, a) if bit == "1" else result
+        return result
+
+    def cos_sin(self, r: str, s: str) -> Rotation:
+        """Take whole steps exactly; a random rotation stands for the rest, mirrored with it."""
+        steps, radians = Fraction(s) * self.order / 2, value(r, REALS)
+        rest = steps if steps.denominator > 1 else Fraction(0)
+        self.needed = lcm(self.needed, 1 if rest else (Fraction(s) / 2).denominator)
+        turn = self.power(self.turn, int(steps - rest) % self.order)
+        if radians == rest == 0:
+            return turn
+        self.rotations, sign = self.rotations + 1, -1 if (radians or rest) < 0 else 1
+        key = (abs(radians) + (1 << 40) >> 64, sign * rest)
+        cos, sin = self.generic.setdefault(key, self.point())
+        return self.compose(turn, (cos, sign * sin))
+
+
+class Reals:
+    """Numbers with BITS digits behind the binary point; rounding leaves some 2^-700."""
+
+    one, tiny, span, name = 1 << BITS, 1 << BITS // 2, 1 << BITS, f"with {BITS} binary digits"
+    eye = ([1 << BITS, 0, 0], [0, 1 << BITS, 0], [0, 0, 1 << BITS])
+    reduce = staticmethod(lambda x: x >> BITS)
+    inverse = staticmethod(lambda x: (1 << 2 * BITS) // x)
+    root = staticmethod(lambda x: isqrt(x << BITS))
+
+    def __init__(self) -> None:
+        terms = [(k, 4 * (2 - k % 4) << BITS) for k in range(1, BITS, 2)]
+        self.pi = sum(4 * a // (k * 5**k) - a // (k * 239**k) for k, a in terms)
+
+    def cos_sin(self, r: str, s: str) -> Vector:
+        """Sum the exponential series of a 256th of the angle and double that eight times."""
+        x = value(f"{r} + {s}*pi", self) % (2 * self.pi) >> 8
+        term, sums = self.one, [0, 0]
+        for k in range(160):
+            sums[k % 2] += term if k % 4 < 2 else -term
+            term = (term * x >> BITS) // (k + 1)
+        for _ in range(8):
+            sums = [(sums[0] ** 2 - sums[1] ** 2) >> BITS, 2 * sums[0] * sums[1] >> BITS]
+        return sums
+
+
+REALS = Reals()
+
+
+def add(*vectors: Vector) -> Vector:
+    return [sum(parts) for parts in zip(*vectors)]
+
+
+def times(n: Any, v: Vector, factor: int) -> Vector:
+    return [n.reduce(x * factor) for x in v]
+
+
+def minus(n: Any, row: Vector, f: int, pivot: Vector) -> Vector:
+    return [n.reduce(n.one * x - f * y) for x, y in zip(row, pivot)] if f else row
+
+
+def apply(n: Any, a: list[Vector], b: Vector) -> Vector:  # a is given by its columns
+    return [n.reduce(x * b[0] + y * b[1] + z * b[2]) for x, y, z in zip(*a)]
+
+
+def cross(n: Any, a: Vector, b: Vector) -> Vector:
+    return [n.reduce(a[i] * b[j] - a[j] * b[i]) for i, j in ((1, 2), (2, 0), (0, 1))]
+
+
+def placed(n: Any, steps: list[list[str]]) -> tuple[list[Vector], Vector]:
+    """Return rotation and origin after moves (x, y, z) and turns (axis, r, s) by r + s pi."""
+    rotation, origin = n.eye, [0, 0, 0]
+    for kind, *step in steps:
+        if kind == "move":
+            origin = add(origin, apply(n, rotation, [value(x, n) for x in step]))
+            continue
+        (cos, sin), k = n.cos_sin(step[1], step[2]), "xyz".index(step[0])
+        i, j, turn = (k + 1) % 3, (k + 2) % 3, [[*column] for column in n.eye]
+        turn[i][i], turn[i][j], turn[j][i], turn[j][j] = cos, sin, -sin, cos
+        rotation = [apply(n, rotation, column) for column in turn]
+    return rotation, origin
+
+
+def energy(n: Any, links: list[Any], gravity: Vector) -> Vector:
+    """Return 2 h at a random state: what each parameter adds to twice the energy."""
+    row: Vector = []
+    frames: dict[str | None, Any] = {None: (n.eye, [0, 0, 0], [0, 0, 0], [0, 0, 0])}
+    for name, antecedent, joint, rotor, (turn, shift), axis in links:
+        rotation, p, v, w = frames[antecedent]
+        arm, rotation = apply(n, rotation, shift), [apply(n, rotation, e) for e in turn]
+        q, qd = draw(n.span), draw(n.span)
+        k = apply(n, rotation, axis)
+        if joint == "revolute":  # e + 2 (x x e + x x (x x e)) / (1 + x.x), x = k tan(angle/2)
+            x = times(n, k, q)
+            factor = 2 * n.inverse(n.one + n.reduce(sum(c * c for c in x)))
+            swept = [cross(n, x, e) for e in rotation]
+            moved = [times(n, add(e, cross(n, x, e)), factor) for e in swept]
+            rotation = [add(e, change) for e, change in zip(rotation, moved)]
+        arm = add(arm, times(n, k, q)) if joint == "prismatic" else arm
+        p, v, rate = add(p, arm), add(v, cross(n, w, arm)), times(n, k, qd)
+        v = add(v, rate) if joint == "prismatic" else v
+        w = add(w, rate) if joint == "revolute" else w
+        frames[name] = (rotation, p, v, w)
+        # w'J w, 2 MS.(v x w - g) and M (v.v - 2 g.p), J and MS along the link's own axes.
+        x, y, z = (n.reduce(sum(c * d for c, d in zip(e, w))) for e in rotation)
+        row += [n.reduce(c) for c in (x * x, 2 * x * y, 2 * x * z, y * y, 2 * y * z, z * z)]
+        first = [c - g for c, g in zip(cross(n, v, w), gravity)]
+        row += [n.reduce(2 * sum(c * d for c, d in zip(e, first))) for e in rotation]
+        row.append(n.reduce(sum(c * c - 2 * g * x for c, g, x in zip(v, gravity, p))))
+        row += [n.reduce(sum(c * c for c in rate))] * rotor
+    return row
+
+
+def eliminate(n: Any, cert: Any, labels: list[str]) -> None:
+    """Eliminate the base columns from random rows: nothing may be left, and beta comes out."""
+    gravity, links = [value(x, n) for x in cert["robot"]["gravity"]], []
+    for link in cert["robot"]["links"]:
+        head = [link[key] for key in ("name", "antecedent", "joint", "rotor")]
+        links.append([*head, placed(n, link["placement"]), [value(x, n) for x in link["axis"]]])
+    kept, b = cert["base"] + cert["regrouped"], len(cert["base"])
+    pivots: list[tuple[int, Vector]] = []
+    start, columns, silent = energy(n, links, gravity), [labels.index(x) for x in kept], 0
+    while silent < FRESH:
+        full = [n.reduce(n.one * (x - y)) for x, y in zip(energy(n, links, gravity), start)]
+        for x in cert["no_effect"]:
+            require(abs(full[labels.index(x)]) <= n.tiny, f"{x} has an effect, {n.name}")
+        row = [full[column] for column in columns]
+        for k, pivot in pivots:
+            row = minus(n, row, row[k], pivot)
+        k = max(range(b), key=lambda k: abs(row[k]))
+        silent = 0 if abs(row[k]) > n.tiny else silent + 1
+        if silent == 0:
+            pivots.append((k, times(n, row, n.inverse(row[k]))))
+        for x, rest in zip(kept[b:], row[b:] if silent else []):
+            require(abs(rest) <= n.tiny, f"{x} is no combination of base columns, {n.name}")
+    require(len(pivots) == b, f"only {len(pivots)} of {b} base columns are independent, {n.name}")
+    beta = {(i, j): text for i, j, text in cert["beta"]}
+    for i in reversed(range(b)):
+        k, row = pivots[i]
+        pivots[:i] = [(c, minus(n, above, above[k], row)) for c, above in pivots[:i]]
+        for x, found in zip(kept[b:], row[b:]):
+            text = beta.get((kept[k], x), "0")
+            require(agrees(n, found, text), f"beta of {kept[k]}, {x} is not {text}, {n.name}")
+
+
+def agrees(n: Any, found: int, text: str) -> bool:
+    """Compare a coefficient; modulo a prime, a rounded one only says that there is one."""
+    if not text.startswith("nearest "):
+        return bool(abs(n.reduce(n.one * (found - value(text, n)))) <= n.tiny)
+    m, d = map(int, text[8:].split("/"))
+    require(abs(m).bit_length() == 53 and d > 0 and d & (d - 1) == 0, f"{text} is no double")
+    return found != 0 if n.one == 1 else 2 * abs(found * d - m * n.one) <= n.one
+
+
+def check(text: str) -> str:
+    """Return a line about an accepted certificate, else raise ValueError or what is malformed."""
+    cert = json.loads(text)
+    robot, base, order, primes = (cert[key] for key in ("robot", "base", "order", "primes"))
+    require(canonical(cert) + "\n" == text and sorted(cert) == KEYS.split(), "not in its form")
+    require(cert["format"] == "roberval certificate 1", "this is another format")
+    for name, part in (("robot_sha256", robot), ("sha256", {**cert, "sha256": ""})):
+        digest = hashlib.sha256(canonical(part).encode()).hexdigest()
+        require(cert[name] == digest, f"{name} is that of something else: it was changed")
+    joints, kinds = [link["joint"] for link in robot["links"]], {"revolute", "prismatic", "fixed"}
+    require({*joints} <= kinds and cert["model"] in ("d", "d0", "h"), "no such joint or model")
+    labels = [f"{x}_{y['name']}" for y in robot["links"] for x in KINDS[: 10 + y["rotor"]]]
+    columns = sorted(cert["no_effect"] + base + cert["regrouped"])
+    require(columns == sorted({*labels}) == sorted(order), "the columns are not those of the robot")
+    require(cert["rank"] == len(base) > 0, "the rank is not the number of base columns")
+    for k, (i, j, _) in enumerate(cert["beta"]):
+        fits = i in base and j in cert["regrouped"] and order.index(i) < order.index(j)
+        require(fits and [i, j] not in [x[:2] for x in cert["beta"][:k]], f"{i}, {j} in beta")
+    require({j for _, j, _ in cert["beta"]} == {*cert["regrouped"]}, "beta has an empty column")
+    require(len({*primes}) == len(primes) >= 2, "there are less than two primes")
+    for p in primes:
+        require(1 << 61 < p < 1 << 62 and is_prime(p), f"{p} is no prime of 62 bits")
+        require((p + 1) % cert["angle_order"] == 0, f"{p} is of another class")
+        eliminate(field := Field(p, cert["angle_order"]), cert, labels)
+        require(field.needed == cert["angle_order"], f"the angles' order is {field.needed}")
+    eliminate(REALS, cert, labels)
+    degree = 6 * (len(joints) - joints.count("fixed") + field.rotations) + 2
+    require(cert["degree"] == degree, f"the degree is {degree}")
+    require(len(cert["generic"]) == len(field.generic), "other angles are generic")
+    bits = ((len(base) * degree) ** len(primes)).bit_length() - prod(primes).bit_length() + 1
+    require(cert["failure_log2"] == bits, f"the rank may be too low with probability 2^{bits}")
+    return f"accepted: {robot['name']}: {len(base)} base parameters of {len(labels)}"
+
+
+if __name__ == "__main__":
+    try:
+        print(check(Path(sys.argv[1]).read_text(encoding="utf-8")))
+    except Exception as error:  # whatever a malformed file leads to
+        sys.exit(f"refused: {error if isinstance(error, ValueError) else repr(error)}")
