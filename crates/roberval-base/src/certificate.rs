@@ -36,6 +36,9 @@ pub struct CertificateNotes<'a> {
 /// Why there is no certificate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CertificateError {
+    /// A float engine decided.
+    #[error("only the exact engine gives a certificate: leave the engine at exact")]
+    NotExact,
     /// An expression is too long once its constants are written out.
     #[error(
         "{text:?} is longer than {limit} characters with its constants written out: give it as a decimal number"

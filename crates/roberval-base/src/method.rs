@@ -124,9 +124,15 @@ fn by_elimination(
         mechanism,
         options,
         observation.w.rows(),
-        Classes::of(exact.no_effect, base, regrouped, &beta, options.seed),
+        Classes::of(
+            exact.no_effect.clone(),
+            base,
+            regrouped,
+            &beta,
+            options.seed,
+        ),
         beta,
-        Some(beta_exact),
+        Some((exact, beta_exact)),
         diagnosis,
     ))
 }

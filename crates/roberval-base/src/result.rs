@@ -2,7 +2,8 @@ use roberval_linalg::{Matrix, relations_qr};
 use roberval_mechanism::{Mechanism, ParameterSpace};
 use roberval_regressor::{Model, Regressor, States};
 
-use crate::{BaseError, Choice, Diagnosis, Engine, ExactNumber, Options};
+use crate::certificate::{CertificateError, CertificateNotes, certificate, certificate_text};
+use crate::{BaseError, Choice, Diagnosis, Engine, ExactDecision, ExactNumber, Options};
 
 /// The base inertial parameters of a robot and how the others regroup onto them.
 ///
@@ -37,6 +38,8 @@ pub struct BaseParameters {
     pub beta: Matrix,
     /// beta's entries exactly, by the exact engine.
     pub beta_exact: Option<Vec<Vec<ExactNumber>>>,
+    /// The exact engine's decision, in the order in which it was made.
+    pub decision: Option<ExactDecision>,
     /// How sure the answer is.
     pub diagnosis: Diagnosis,
 }
@@ -83,9 +86,10 @@ impl BaseParameters {
         rows: usize,
         classes: Classes,
         beta: Matrix,
-        beta_exact: Option<Vec<Vec<ExactNumber>>>,
+        exact: Option<(ExactDecision, Vec<Vec<ExactNumber>>)>,
         diagnosis: Diagnosis,
     ) -> Self {
+        let (decision, beta_exact) = exact.unzip();
         Self {
             mechanism: mechanism.clone(),
             model: options.model,
@@ -101,8 +105,29 @@ impl BaseParameters {
             regrouped_into: classes.regrouped_into,
             beta,
             beta_exact,
+            decision,
             diagnosis,
         }
+    }
+
+    /// The certificate of this answer, as the text of a file: what was decided and how, for
+    /// a checker that shares nothing with this program. Only the exact engine can give one.
+    ///
+    /// # Errors
+    /// [`CertificateError`] if there is no exact decision, a number is too long to be
+    /// written, or a coefficient is not known well enough.
+    pub fn certificate(&self) -> Result<String, CertificateError> {
+        let decision = self.decision.as_ref().ok_or(CertificateError::NotExact)?;
+        let cleaning = self.mechanism.cleaning.iter();
+        let changes: Vec<String> = cleaning
+            .flat_map(|c| c.cleaned.changes.iter().map(ToString::to_string))
+            .collect();
+        let notes = CertificateNotes {
+            changes: &changes,
+            witnesses: &self.diagnosis.witnesses,
+        };
+        let content = certificate(&self.mechanism, self.model, decision, notes)?;
+        Ok(certificate_text(&content))
     }
 
     /// The number of base parameters b.

@@ -93,6 +93,10 @@ pub(crate) struct BaseArgs {
     pub method: MethodArgs,
     #[command(flatten)]
     pub choice: ChoiceArgs,
+    /// Write also a certificate, which `python -m roberval.check_certificate FILE` checks
+    /// without this program
+    #[arg(long, value_name = "FILE")]
+    pub certificate: Option<PathBuf>,
     #[command(flatten)]
     pub output: OutputArgs,
 }

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::ops::ControlFlow;
+use std::path::Path;
 
 use roberval_base::{ScalingOptions, base_parameters};
 use roberval_formats::{catalogue, clean_file};
@@ -53,6 +54,14 @@ fn list(format: Format) -> String {
 
 fn base(args: &BaseArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
     let options = args.method.options(&args.choice)?;
+    let certificate = args.certificate.as_deref();
+    if certificate.is_some_and(|path| path == Path::new("-")) {
+        let what = "--certificate needs a file: the standard output is the result's".to_owned();
+        return Err(CliError::Usage(what));
+    }
+    let certificate = certificate
+        .map(|path| Target::new(Some(path)))
+        .transpose()?;
     let mut doubts = Vec::new();
     answer(&args.output, out, |format| {
         let mechanism = load(&args.robot.robot, &args.robot.reading)?;
@@ -63,6 +72,10 @@ fn base(args: &BaseArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32
             messages.iter().for_each(|m| say(err, "note", m));
         } else {
             doubts.clone_from(messages);
+        }
+        if let Some(target) = &certificate {
+            let text = answer.certificate()?;
+            target.write(&mut std::io::sink(), |sink| sink.write_all(text.as_bytes()))?;
         }
         Ok(tables::base(&answer, format))
     })?;

@@ -1,7 +1,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use roberval_base::BaseError;
+use roberval_base::{BaseError, CertificateError};
 use roberval_formats::FormatError;
 use roberval_mechanism::MechanismError;
 
@@ -22,6 +22,9 @@ pub(crate) enum CliError {
     /// The method.
     #[error(transparent)]
     Base(#[from] BaseError),
+    /// The certificate.
+    #[error(transparent)]
+    Certificate(#[from] CertificateError),
     /// The file of joint states.
     #[error(transparent)]
     States(#[from] StatesError),

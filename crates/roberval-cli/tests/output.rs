@@ -207,3 +207,33 @@ fn options_change_the_answer_they_speak_of() {
     ]);
     assert!(!coarse.out.contains("40 base parameters"), "{}", coarse.out);
 }
+
+#[test]
+fn a_certificate_is_accepted_by_the_separate_checker_and_refused_when_changed() {
+    let checker = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../python/roberval/check_certificate.py"
+    );
+    let folder = Folder::new("certificate");
+    let path = folder.path("cert.json");
+    let run = roberval(&["base", "puma560", "--certificate", &path]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let check = || {
+        std::process::Command::new("python3")
+            .arg(checker)
+            .arg(&path)
+            .output()
+    };
+    let Ok(accepted) = check() else {
+        eprintln!("skipped: there is no python3 to run the checker");
+        return;
+    };
+    assert!(accepted.status.success(), "{accepted:?}");
+    let text = std::fs::read_to_string(&path).expect("written");
+    std::fs::write(&path, text.replacen("363/1250", "364/1250", 1)).expect("a temporary file");
+    let refused = check().expect("python3 ran before");
+    assert_eq!(refused.status.code(), Some(1), "{refused:?}");
+    let run = roberval(&["base", "puma560", "--certificate", &path, "--engine", "qr"]);
+    assert_eq!(run.code, 2);
+    assert!(run.err.contains("only the exact engine"), "{}", run.err);
+}
