@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use roberval_base::{
-    CertificateNotes, Engine, ExactDecision, Model, Witness, certificate, certificate_text,
-    decide_exactly,
+    CertificateError, CertificateNotes, Engine, ExactDecision, Model, Witness, certificate,
+    certificate_text, decide_exactly,
 };
 use roberval_mechanism::{Geometry, Mechanism, RobotDescription, SourceFormat};
 use roberval_scalar::Quantity;
@@ -307,4 +307,41 @@ fn an_answer_is_accepted_for_another_geometry_exactly_if_it_is_its_answer() {
     eprintln!("{accepted} forgeries are true, {refused} are not");
     assert!(accepted > 10 && refused > 10);
     files.check("verdicts");
+}
+
+#[test]
+fn angles_that_are_taken_as_generic_and_are_not_get_no_accepted_certificate() {
+    // 0.3 + 0.3 - 0.6 = 0: the axes are parallel, which independent generic angles hide.
+    let path = repository().join("crates/roberval-formats/tests/data/small.urdf");
+    let mut description = roberval_formats::load(path.to_str().expect("UTF-8")).expect("readable");
+    for link in &mut description.links {
+        let Geometry::Placed { origins, axis } = &mut link.geometry else {
+            continue;
+        };
+        let mut turned = origins[0].clone();
+        turned.xyz = ["0.1", "0.2", "0.3"].map(|x| Quantity::parse_decimal(x).expect("a number"));
+        *origins = ["0.3", "0.3", "-0.6"]
+            .map(|x| {
+                let zero = Quantity::zero();
+                let roll = Quantity::parse_decimal(x).expect("a number");
+                roberval_mechanism::Origin {
+                    rpy: [roll, zero.clone(), zero],
+                    ..turned.clone()
+                }
+            })
+            .to_vec();
+        *axis = ["0", "0", "1"].map(|x| Quantity::parse_decimal(x).expect("a number"));
+    }
+    let robot = mechanism(&description);
+    let decision = decide(&robot, Model::D);
+    match certificate(&robot, Model::D, &decision, CertificateNotes::default()) {
+        Err(CertificateError::Unsure { error }) => assert!(error > 1e-18),
+        Err(other) => panic!("{other}"),
+        Ok(certificate) => {
+            let files = Files::new("related");
+            files.write("refused-related.json", &certificate_text(&certificate));
+            files.check("verdicts");
+            eprintln!("b = {}: refused by the checker", decision.kept.len());
+        }
+    }
 }

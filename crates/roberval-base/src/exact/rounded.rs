@@ -12,11 +12,12 @@ use crate::Samples;
 #[cfg(test)]
 mod tests;
 
-/// Relative error that rounding to a double can do with: a number lies so close to the
-/// middle of two doubles, where the error decides, with a probability of 2^-26.
+/// Relative error asked for: a number lies so close to the middle of two doubles, where
+/// the error would decide, with a probability of 2^-26.
 const WANTED_ERROR: f64 = 1.0 / (1_u128 << 80) as f64;
 
-/// Sets of samples tried until all errors are small; each is twice as large.
+/// Sets of samples tried until all errors are small; each is twice as large. Long chains
+/// with tiny coefficients stop at 1e-22: still 1e-6 of what decides a rounding.
 const MOST_SETS: usize = 4;
 
 /// Refinements at most; each wins at least one digit, or is the last.
@@ -58,9 +59,8 @@ pub(super) fn round_open_entries(
             let a: Vec<&[DoubleDouble]> = unknown.iter().map(|&i| &w[kept[i]][..]).collect();
             let solution = Solution::of(&a, &rest);
             let error = solution.relative_error();
-            // Not a number counts as too large.
             if error <= WANTED_ERROR || last {
-                worst = worst.max(if error.is_nan() { f64::INFINITY } else { error });
+                worst = worst.max(error);
                 for (&i, x) in unknown.iter().zip(&solution.x) {
                     beta[i][j] = ExactNumber::Rounded(x.to_f64());
                 }
@@ -169,10 +169,17 @@ impl Solution {
         }
     }
 
+    /// The largest; infinite where one is not a number.
     fn relative_error(&self) -> f64 {
         let each = self.errors.iter().zip(&self.x);
         let ratios = each.map(|(e, x)| e / x.to_f64().abs());
-        ratios.fold(0.0, |worst, e| if e <= worst { worst } else { e })
+        ratios.fold(0.0, |worst, e| {
+            if e.is_nan() {
+                f64::INFINITY
+            } else {
+                e.max(worst)
+            }
+        })
     }
 }
 
