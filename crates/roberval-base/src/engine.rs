@@ -1,6 +1,6 @@
 use roberval_linalg::{
-    Matrix, RankDecision, Relations, Svd, Tolerance, deleted_from_null_space, qrii, relations_qr,
-    staircase_qr, svd,
+    LinalgError, Matrix, RankDecision, Relations, Svd, Tolerance, deleted_from_null_space, qrii,
+    relations_qr, staircase_qr, svd,
 };
 
 use crate::BaseError;
@@ -25,9 +25,17 @@ pub enum Engine {
 
 /// What an engine finds: positions are columns of the matrix it was given.
 pub(crate) struct Finding {
-    pub decision: RankDecision,
+    pub judgement: Judgement,
     pub kept: Vec<usize>,
     pub relations: Relations,
+}
+
+/// The rank of W and what it was decided on.
+pub(crate) struct Judgement {
+    pub decision: RankDecision,
+    /// The columns of W that the spectrum's entries belong to; empty for singular values,
+    /// which belong to none.
+    pub columns: Vec<usize>,
 }
 
 impl Engine {
@@ -55,9 +63,10 @@ impl Engine {
         tolerance: &Tolerance,
         pivoted: bool,
     ) -> Result<Finding, BaseError> {
-        let (decision, leftmost, svd) = self.decide(w, tolerance)?;
+        let (judgement, leftmost, svd) = self.decide(w, tolerance)?;
+        let rank = judgement.decision.rank;
         let kept = if pivoted {
-            let mut kept = qrii(w)?.permutation[..decision.rank].to_vec();
+            let mut kept = qrii(w)?.permutation[..rank].to_vec();
             kept.sort_unstable();
             kept
         } else {
@@ -65,22 +74,34 @@ impl Engine {
         };
         let deleted = complement(&kept, w.cols());
         let relations = match svd {
-            Some(svd) => svd.relations(decision.rank, &kept, &deleted)?,
+            Some(svd) => svd.relations(rank, &kept, &deleted)?,
             None => relations_qr(w, &kept, &deleted)?,
         };
         Ok(Finding {
-            decision,
+            judgement,
             kept,
             relations,
         })
     }
 
     /// The rank of W alone.
-    pub(crate) fn rank(self, w: &Matrix, tolerance: &Tolerance) -> Result<RankDecision, BaseError> {
+    pub(crate) fn rank(self, w: &Matrix, tolerance: &Tolerance) -> Result<Judgement, BaseError> {
         Ok(match self {
-            Self::Exact | Self::Qr => staircase_qr(w, tolerance)?.decision,
-            Self::Qrii => qrii(w)?.decide(tolerance)?,
-            Self::Svd => svd(w)?.decide(tolerance)?,
+            Self::Exact | Self::Qr => Judgement {
+                decision: staircase_qr(w, tolerance)?.decision,
+                columns: (0..w.cols()).collect(),
+            },
+            Self::Qrii => {
+                let factors = qrii(w)?;
+                Judgement {
+                    decision: factors.decide(tolerance)?,
+                    columns: factors.permutation,
+                }
+            }
+            Self::Svd => Judgement {
+                decision: svd(w)?.decide(tolerance)?,
+                columns: Vec::new(),
+            },
         })
     }
 
@@ -90,25 +111,54 @@ impl Engine {
         self,
         w: &Matrix,
         tolerance: &Tolerance,
-    ) -> Result<(RankDecision, Vec<usize>, Option<Svd>), BaseError> {
+    ) -> Result<(Judgement, Vec<usize>, Option<Svd>), BaseError> {
         Ok(match self {
             Self::Exact | Self::Qr => {
                 let staircase = staircase_qr(w, tolerance)?;
-                (staircase.decision, staircase.kept, None)
+                let judgement = Judgement {
+                    decision: staircase.decision,
+                    columns: (0..w.cols()).collect(),
+                };
+                (judgement, staircase.kept, None)
             }
             Self::Qrii => {
                 let factors = qrii(w)?;
-                let decision = factors.decide(tolerance)?;
-                let kept = factors.leftmost(decision.rank)?;
-                (decision, kept, None)
+                let mut decision = factors.decide(tolerance)?;
+                let kept = or_fewer(&mut decision, |rank| factors.leftmost(rank))?;
+                let columns = factors.permutation;
+                (Judgement { decision, columns }, kept, None)
             }
             Self::Svd => {
                 let factors = svd(w)?;
-                let decision = factors.decide(tolerance)?;
-                let deleted = deleted_from_null_space(&factors.null_space(decision.rank))?;
-                (decision, complement(&deleted, w.cols()), Some(factors))
+                let mut decision = factors.decide(tolerance)?;
+                let kept = or_fewer(&mut decision, |rank| {
+                    let deleted = deleted_from_null_space(&factors.null_space(rank))?;
+                    Ok(complement(&deleted, w.cols()))
+                })?;
+                let columns = Vec::new();
+                (Judgement { decision, columns }, kept, Some(factors))
             }
         })
+    }
+}
+
+/// The choice of as many columns as the rank says; where so many are not independent, as
+/// happens when a tolerance lets rounding noise count, of the most that are. The rest of
+/// the rank is then in doubt.
+fn or_fewer(
+    decision: &mut RankDecision,
+    choose: impl Fn(usize) -> Result<Vec<usize>, LinalgError>,
+) -> Result<Vec<usize>, BaseError> {
+    let asked = decision.rank;
+    loop {
+        match choose(decision.rank) {
+            Ok(kept) => {
+                decision.ambiguous.extend(decision.rank..asked);
+                return Ok(kept);
+            }
+            Err(LinalgError::Singular { .. }) if decision.rank > 0 => decision.rank -= 1,
+            Err(error) => return Err(error.into()),
+        }
     }
 }
 

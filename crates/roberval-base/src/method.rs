@@ -1,11 +1,9 @@
-use roberval_linalg::{
-    Matrix, RankDecision, Relations, Tolerance, equilibrate, qrii, unscale_relations,
-};
+use roberval_linalg::{Matrix, Relations, Tolerance, equilibrate, qrii, unscale_relations};
 use roberval_mechanism::Mechanism;
 use roberval_regressor::Model;
 use roberval_scalar::SplitMix64;
 
-use crate::engine::{Finding, complement};
+use crate::engine::{Finding, Judgement, complement};
 use crate::literal::literal;
 use crate::observation::check_size;
 use crate::result::Classes;
@@ -82,7 +80,9 @@ fn by_factorisation(
     let finding = decide(&w, options)?;
     let (base, regrouped, beta) = in_column_order(&order, &finding);
     let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
-    let diagnosis = Diagnosis::of(&finding.decision, &order, &space, fresh);
+    let judgement = &finding.judgement;
+    let columns = judgement.columns.iter().map(|&i| order[i]).collect();
+    let diagnosis = Diagnosis::of(&judgement.decision, columns, &space, fresh);
     Ok(BaseParameters::new(
         mechanism,
         options,
@@ -116,7 +116,7 @@ fn by_elimination(
         beta_exact[i][j].to_f64()
     });
     let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
-    let witnesses = witnesses(&w, &options.tolerance)?;
+    let witnesses = witnesses(&w, &effect, &options.tolerance)?;
     let literal = literal(mechanism, options.model, base.len(), options.seed)?;
     let nullspace = nullspace_rank(mechanism, options.seed)?.rank;
     let diagnosis = Diagnosis::structural(&exact, nullspace, &witnesses, literal, fresh);
@@ -164,15 +164,24 @@ fn decide_in_order(
     )?)
 }
 
-/// What the float engines make of W: QRII first, whose spectrum is shown.
-fn witnesses(w: &Matrix, tolerance: &Tolerance) -> Result<Vec<(Engine, RankDecision)>, BaseError> {
+/// What the float engines make of W, whose columns are the robot's `columns`: QRII first,
+/// whose spectrum is shown.
+fn witnesses(
+    w: &Matrix,
+    columns: &[usize],
+    tolerance: &Tolerance,
+) -> Result<Vec<(Engine, Judgement)>, BaseError> {
     let scaled = match tolerance {
         Tolerance::Paper { .. } => w.clone(),
         Tolerance::Relative { .. } => equilibrate(w).0,
     };
     [Engine::Qrii, Engine::Svd, Engine::Qr]
         .into_iter()
-        .map(|engine| Ok((engine, engine.rank(&scaled, tolerance)?)))
+        .map(|engine| {
+            let mut judgement = engine.rank(&scaled, tolerance)?;
+            judgement.columns.iter_mut().for_each(|c| *c = columns[*c]);
+            Ok((engine, judgement))
+        })
         .collect()
 }
 

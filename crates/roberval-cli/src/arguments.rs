@@ -137,10 +137,10 @@ pub(crate) struct ScaleArgs {
     #[arg(long, default_value = "h", value_parser = model())]
     pub model: Model,
     /// Names the random starts: the same seed, the same samples
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
     pub seed: u64,
     /// Rows of W [default: its columns]
-    #[arg(long, value_name = "R", value_parser = rows)]
+    #[arg(long, value_name = "R", value_parser = rows, allow_negative_numbers = true)]
     pub rows: Option<usize>,
     /// The S = max|Wij| / min|Wij| to stop at
     #[arg(long, value_name = "S", default_value = "100", value_parser = positive)]
@@ -202,14 +202,14 @@ pub(crate) struct MethodArgs {
     #[arg(long, default_value = Engine::default().name(), value_parser = engine())]
     pub engine: Engine,
     /// Rows of W [default: at least twice its columns]
-    #[arg(long, value_name = "R", value_parser = rows)]
+    #[arg(long, value_name = "R", value_parser = rows, allow_negative_numbers = true)]
     pub rows: Option<usize>,
 }
 
 #[derive(Debug, Clone, Args)]
 pub(crate) struct ChoiceArgs {
     /// Names the random samples: the same seed, the same answer
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
     pub seed: u64,
     /// Which parameters to keep: those of smallest subscript (paper), the best
     /// conditioned (pivoted), or those preferred by --keep and --drop [default: paper]

@@ -8,6 +8,7 @@ mod error;
 mod load;
 mod source;
 mod splice;
+mod suspects;
 mod toml;
 mod urdf;
 mod words;

@@ -13,6 +13,7 @@ use toml_edit::{Document, Item, TableLike};
 
 use crate::error::{Code, FormatError};
 use crate::source::{Source, check_size, stem};
+use crate::suspects;
 use crate::words::{nearest, quoted};
 pub use clean::clean_toml;
 use section::Section;
@@ -335,5 +336,6 @@ fn warnings(description: &RobotDescription) -> Vec<String> {
             }
         }
     }
+    warnings.extend(suspects::degrees(description));
     warnings
 }

@@ -62,7 +62,9 @@ pub struct Link {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MechanismError {
     /// There is nothing to analyse.
-    #[error("the robot \"{robot}\" has no link: give it at least one moving link")]
+    #[error(
+        "the robot \"{robot}\" has no link that a joint carries, so that nothing moves: give it at least one moving joint"
+    )]
     Empty {
         /// The robot's name.
         robot: String,

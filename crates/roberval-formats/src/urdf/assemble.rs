@@ -10,6 +10,7 @@ use super::link::Link;
 use super::tree::Tree;
 use crate::error::{Code, FormatError};
 use crate::source::Source;
+use crate::suspects;
 use crate::words::{list, quoted};
 
 /// The most placements that a description holds: a long chain of fixed joints with a
@@ -57,14 +58,16 @@ pub(super) fn description(
         ));
     }
     let down = Quantity::parse_decimal("-9.81").unwrap_or_else(|_| Quantity::zero());
-    Ok(RobotDescription {
+    let mut robot = RobotDescription {
         name,
         gravity: [Quantity::zero(), Quantity::zero(), down],
         constants: Vec::new(),
         warnings: warnings(links, joints, tree, &described),
         links: described,
         format: SourceFormat::Urdf,
-    })
+    };
+    robot.warnings.extend(suspects::degrees(&robot));
+    Ok(robot)
 }
 
 /// The link into which a link is lumped (`None`: the base), and the fixed joints on the
@@ -159,6 +162,14 @@ fn warnings(
             .map(|l| l.name.as_str())
             .collect(),
         "links without inertial values",
+    );
+    warn(
+        described
+            .iter()
+            .filter(|l| l.inertia[9].as_ref().is_some_and(|mass| mass.value < 0.0))
+            .map(|l| l.name.as_str())
+            .collect(),
+        "links with a negative mass",
     );
     warn(
         links
