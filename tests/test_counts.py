@@ -68,11 +68,14 @@ RIGID = {
 FLOAT_SAFE = [name for name, (_, clean, literal) in COUNTS.items() if clean == literal]
 
 
-def analyse(name: str, snap: rv.Snap = "default", engine: rv.Engine = "exact") -> rv.BaseParameters:
+def analyse(
+    name: str, snap: rv.Snap = "default", engine: rv.Engine = "exact", rotors: bool = True
+) -> rv.BaseParameters:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", rv.RobotWarning)
         warnings.simplefilter("ignore", rv.DoubtfulRankWarning)
-        return rv.load(robot_file(name), snap=snap).base_parameters(engine=engine)
+        robot = rv.load(robot_file(name), snap=snap, rotors=rotors)
+        return robot.base_parameters(engine=engine)
 
 
 @pytest.mark.parametrize("name", COUNTS)
@@ -86,11 +89,9 @@ def test_clean_counts_are_the_references_by_every_engine(name: str, engine: rv.E
 @pytest.mark.parametrize("name", RIGID)
 @pytest.mark.parametrize("engine", ["exact", "qr", "qrii", "svd"])
 def test_rigid_counts_are_the_references(name: str, engine: rv.Engine) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", rv.RobotWarning)
-        robot = rv.load(robot_file(name), rotors=False)
-    assert len(robot.parameters) == 10 * len(robot.links)
-    assert robot.base_parameters(engine=engine).rank == RIGID[name]
+    base = analyse(name, engine=engine, rotors=False)
+    assert len(base.parameters) == 10 * len(base.robot.links)
+    assert base.rank == RIGID[name]
 
 
 @pytest.mark.parametrize("name", COUNTS)
