@@ -293,7 +293,8 @@ proptest! {
     #[test]
     fn a_description_written_and_read_is_the_same(robot in robot()) {
         let text = to_toml(&robot).unwrap();
-        let again = parse_toml(&text, "again").unwrap_or_else(|e| panic!("{e}\n{text}"));
+        let mut again = parse_toml(&text, "again").unwrap_or_else(|e| panic!("{e}\n{text}"));
+        again.warnings.clear(); // what a reader notices is not part of the robot
         prop_assert_eq!(again, robot, "{}", text);
     }
 }
