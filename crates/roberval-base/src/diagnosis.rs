@@ -132,11 +132,6 @@ impl Diagnosis {
             .collect();
         let shown = judgements.first().map(|(_, judgement)| judgement);
         let mut messages = Vec::new();
-        if residual > FRESH_RESIDUAL || residual.is_nan() {
-            messages.push(format!(
-                "at fresh samples the relations miss by {residual:.1e} of a column: please report this robot"
-            ));
-        }
         // Not a number counts as too large.
         if !exact.rounding_error.le(&KNOWN_COEFFICIENT) {
             messages.push(
@@ -144,6 +139,10 @@ impl Diagnosis {
                  related, as roundings of pi/2 are; let them be set right (--snap default)"
                     .to_owned(),
             );
+        } else if residual > FRESH_RESIDUAL || residual.is_nan() {
+            messages.push(format!(
+                "at fresh samples the relations miss by {residual:.1e} of a column: please report this robot"
+            ));
         }
         if nullspace_rank != rank {
             messages.push(format!(
@@ -276,12 +275,13 @@ fn ambiguity(decision: &RankDecision, columns: &[usize], space: &ParameterSpace)
         names => format!(" ({})", names.join(", ")),
     };
     format!(
-        "{count} {}{which} neither zero nor clearly not, down to {smallest:.1e}: \
+        "{count} {}{which} {} neither zero nor clearly not, down to {smallest:.1e}: \
          angles or lengths of the robot file that are rounded (1.5708 for pi/2) do this",
         if count == 1 {
-            "direction of W is"
+            "direction of W"
         } else {
-            "directions of W are"
-        }
+            "directions of W"
+        },
+        if count == 1 { "is" } else { "are" },
     )
 }
