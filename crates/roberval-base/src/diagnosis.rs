@@ -14,8 +14,9 @@ const CLEAR_GAP: f64 = 1e6;
 /// 1.1e-13 was the most on 400 of them.
 const DUST: f64 = 1e-12;
 
-/// Coefficients rounded from pairs of doubles are known to this or better.
-const KNOWN_COEFFICIENT: f64 = 1e-15;
+/// Coefficients without an exact form that are not known to this are no answer. Pairs of
+/// doubles know them to 1e-22; roundings of pi/2 taken as written cost up to all of that.
+const KNOWN_COEFFICIENT: f64 = 1e-9;
 
 /// Relations hold at fresh samples to this, relative to the column, or the rank is
 /// doubtful: rounding leaves 1e-12 on a 36-link chain.
