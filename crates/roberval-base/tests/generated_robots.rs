@@ -1,11 +1,11 @@
 //! The method's own laws on generated chains and trees.
 
 use roberval_base::{
-    Choice, Model, Options, Samples, Tolerance, base_parameters, compare, observe,
+    Choice, Engine, Model, Options, Samples, Tolerance, base_parameters, compare, observe,
 };
-use roberval_mechanism::{Mechanism, SourceFormat};
-use roberval_scalar::SplitMix64;
-use roberval_testkit::Family;
+use roberval_mechanism::{Geometry, Mechanism, Origin, RobotDescription, SourceFormat};
+use roberval_scalar::{Quantity, SplitMix64};
+use roberval_testkit::{Family, lengths_mut};
 
 const ROBOTS: u64 = 300;
 
@@ -191,5 +191,60 @@ fn no_choice_changes_the_number_or_the_model() {
                 );
             }
         }
+    }
+}
+
+/// No-effect, base and unchanged columns by every engine.
+fn columns(robot: &RobotDescription) -> Vec<[Vec<usize>; 3]> {
+    let mechanism = Mechanism::new(robot).expect("valid");
+    let answer = |engine| {
+        let options = Options {
+            engine,
+            ..Options::default()
+        };
+        let answer = base_parameters(&mechanism, &options).expect("valid");
+        [answer.no_effect, answer.base, answer.unchanged]
+    };
+    Engine::ALL.map(answer).to_vec()
+}
+
+#[test]
+fn the_answer_does_not_depend_on_the_unit_of_length() {
+    for seed in 0..60 {
+        let description = robot(seed).description;
+        let mut in_mm = (*description).clone();
+        let mut numbers = lengths_mut(&mut in_mm);
+        for number in &mut numbers {
+            let text = format!("1000*({})", number.text);
+            **number = Quantity::parse_number(&text, &[]).expect("a product");
+        }
+        for g in &mut in_mm.gravity {
+            *g = Quantity::parse_number(&format!("1000*({})", g.text), &[]).expect("a product");
+        }
+        assert_eq!(columns(&description), columns(&in_mm), "robot {seed}");
+    }
+}
+
+#[test]
+fn the_answer_does_not_depend_on_the_choice_of_the_base_frame() {
+    let number = |text: &str| Quantity::parse_number(text, &[]).expect("a number");
+    for seed in (1..121).step_by(2) {
+        let description = robot(seed).description;
+        let mut moved = (*description).clone();
+        // The new base frame is turned by -90 degrees about z and shifted.
+        let placement = Origin {
+            joint: "base".to_owned(),
+            xyz: [number("0.3"), number("-1.7"), number("0.67")],
+            rpy: [number("0"), number("0"), number("pi/2")],
+        };
+        for link in moved.links.iter_mut().filter(|l| l.antecedent.is_none()) {
+            let Geometry::Placed { origins, .. } = &mut link.geometry else {
+                panic!("robots of odd seeds have URDF placements")
+            };
+            origins.insert(0, placement.clone());
+        }
+        let [x, y, z] = description.gravity.clone();
+        moved.gravity = [number(&format!("-({})", y.text)), x, z];
+        assert_eq!(columns(&description), columns(&moved), "robot {seed}");
     }
 }
