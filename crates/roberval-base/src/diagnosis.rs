@@ -133,17 +133,18 @@ impl Diagnosis {
             .collect();
         let shown = judgements.first().map(|(_, judgement)| judgement);
         let mut messages = Vec::new();
-        // Not a number counts as too large.
-        if !exact.rounding_error.le(&KNOWN_COEFFICIENT) {
-            messages.push(
+        if residual > FRESH_RESIDUAL || residual.is_nan() {
+            // Not a number counts as too large.
+            let known = exact.rounding_error.le(&KNOWN_COEFFICIENT);
+            messages.push(if known {
+                format!(
+                    "at fresh samples the relations miss by {residual:.1e} of a column: please report this robot"
+                )
+            } else {
                 "coefficients cannot be computed at the angles as written: they are all but \
                  related, as roundings of pi/2 are; let them be set right (--snap default)"
-                    .to_owned(),
-            );
-        } else if residual > FRESH_RESIDUAL || residual.is_nan() {
-            messages.push(format!(
-                "at fresh samples the relations miss by {residual:.1e} of a column: please report this robot"
-            ));
+                    .to_owned()
+            });
         }
         if nullspace_rank != rank {
             messages.push(format!(
