@@ -62,6 +62,7 @@ pub fn parse_toml(text: &str, source_name: &str) -> Result<RobotDescription, For
         name: robot.name("name")?.unwrap_or_else(|| stem(source_name)),
         gravity: gravity(&robot, &constants)?,
         links: Vec::new(),
+        couples: Vec::new(),
         constants,
         format: SourceFormat::Mdh,
         warnings: Vec::new(),
@@ -198,7 +199,6 @@ fn link(
         active,
         rotor,
         limits: None,
-        mimic: None,
     })
 }
 

@@ -4,14 +4,18 @@
 //! * [`dynamics`]: the rows of the dynamic model d (and of d0, at rest).
 //! * [`energy`]: the row of the energy model h.
 //! * [`Sink`]: where the columns go: dense rows, torques, selected columns.
+//! * [`Expansion`]: the state of all joints from that of the independent ones, and G;
+//!   [`Projected`]: rows for the independent ones.
 //! * [`Regressor`]: all of it for floats, over many samples.
 
 mod batch;
 mod dynamics;
 mod energy;
 mod exact;
+mod expansion;
 mod motion;
 mod sink;
+mod transmission;
 mod tree;
 mod vector;
 
@@ -19,6 +23,8 @@ pub use batch::{Model, Regressor, RegressorError, States};
 pub use dynamics::{DynamicsWorkspace, dynamics};
 pub use energy::{EnergyWorkspace, energy};
 pub use exact::{AngleOrder, ExactModel, ExactWorkspace, NotInField, PreciseModel, RowsWorkspace};
+pub use expansion::{Expansion, JointStates, NoValue};
 pub use motion::JointMotion;
 pub use sink::{DenseRows, SelectedRows, Sink, Torques};
+pub use transmission::{Projected, Transmission};
 pub use tree::{Body, Constants, Tree};

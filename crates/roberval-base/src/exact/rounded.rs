@@ -82,7 +82,7 @@ fn columns_of_w(
     seed: u64,
 ) -> Result<Vec<Vec<DoubleDouble>>, NotInField> {
     let precise = PreciseModel::new(mechanism)?;
-    let (n, c) = (mechanism.dof(), mechanism.parameters().len());
+    let (n, c) = (mechanism.independent(), mechanism.parameters().len());
     let per_sample = model.rows(n);
     let count = Integer::div_ceil(&rows, &per_sample) + 1;
     let samples = Samples::draw(mechanism, count, seed);

@@ -40,7 +40,8 @@ pub struct NullspaceDecision {
 
 /// Rank and paper's choice of the mechanism by the recursive parameter nullspace
 /// algorithm, in one random prime field: an independent check of
-/// [`crate::decide_exactly`], which is the same for all models.
+/// [`crate::decide_exactly`], which is the same for all models. The algorithm knows trees:
+/// constraints are opened.
 ///
 /// # Errors
 /// [`ExactError::NotInField`] if a number of the description has no place in any of many

@@ -16,7 +16,7 @@ use crate::words::quoted;
 /// # Errors
 /// When the description is no modified Denavit-Hartenberg description (a URDF robot has
 /// frames that its parameters cannot hold), or has what the form cannot hold (joint
-/// names, limits, mimic joints).
+/// names, limits).
 pub fn to_toml(robot: &RobotDescription) -> Result<String, FormatError> {
     let refuse = |what: String| FormatError::new(Code::NotWritable, robot.name.as_str(), what);
     if robot.format != SourceFormat::Mdh {
@@ -54,9 +54,9 @@ fn link(text: &mut String, link: &LinkDescription) -> Result<(), String> {
             quoted(&link.name)
         ));
     };
-    if link.joint_name.is_some() || link.limits.is_some() || link.mimic.is_some() {
+    if link.joint_name.is_some() || link.limits.is_some() {
         return Err(format!(
-            "link {}: robot TOML has no joint names, limits or mimic joints",
+            "link {}: robot TOML has no joint names or limits",
             quoted(&link.name)
         ));
     }

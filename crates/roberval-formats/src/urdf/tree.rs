@@ -1,6 +1,6 @@
 use std::collections::HashMap;
 
-use roberval_mechanism::find_cycle;
+use roberval_mechanism::{JointKind, find_cycle};
 
 use super::joint::Joint;
 use super::link::Link;
@@ -169,7 +169,17 @@ fn copied(source: &Source, joints: &[Joint]) -> Result<Vec<Option<usize>>, Forma
                 None => error,
             });
         };
-        copied[index] = Some(*target);
+        let name = quoted(&mimic.joint);
+        let held = if joints[*target].kind == JointKind::Fixed {
+            format!("it mimics joint {name}, which is fixed")
+        } else if mimic.multiplier.value == 0.0 {
+            format!("it mimics joint {name} with the multiplier 0")
+        } else {
+            copied[index] = Some(*target);
+            continue;
+        };
+        let what = format!("{held}, so that it does not move");
+        return Err(fault(source, joint, Code::Contradiction, what).hint("make it a fixed joint"));
     }
     match find_cycle(&copied) {
         None => Ok(copied),

@@ -84,11 +84,13 @@ fn certainty(answer: &BaseParameters) -> Vec<String> {
             structure.primes.len(),
             size(structure.failure_probability)
         ),
-        format!(
-            "Nullspace algorithm {}; in floats: {}",
-            structure.nullspace_rank,
-            witnesses.join(", ")
-        ),
+        match structure.nullspace_rank {
+            Some(rank) => format!(
+                "Nullspace algorithm {rank}; in floats: {}",
+                witnesses.join(", ")
+            ),
+            None => format!("In floats: {}", witnesses.join(", ")),
+        },
     ]
     .into_iter()
     .chain(cleaning(answer))

@@ -120,9 +120,17 @@ fn cleaning(answer: &BaseParameters) -> Value {
 
 fn structure(answer: &BaseParameters) -> Value {
     let structure = answer.diagnosis.structure.as_ref();
+    let space = answer.mechanism.parameters();
+    let labels = |columns: &[usize]| -> Vec<String> {
+        columns.iter().map(|&c| space.labels()[c].clone()).collect()
+    };
     json!(structure.map(|s| json!({
         "rank": s.rank,
         "nullspace_rank": s.nullspace_rank,
+        "opened": s.opened.as_ref().map(|o| json!({
+            "rank": o.rank,
+            "removed": labels(&o.removed),
+        })),
         "primes": s.primes.iter().map(u64::to_string).collect::<Vec<_>>(),
         "seeds": s.seeds.iter().map(u64::to_string).collect::<Vec<_>>(),
         "failure_probability": s.failure_probability,
