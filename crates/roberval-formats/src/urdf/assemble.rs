@@ -64,6 +64,7 @@ pub(super) fn description(
         constants: Vec::new(),
         warnings: warnings(links, joints, &described),
         couples: couples(links, joints, tree),
+        loops: Vec::new(),
         links: described,
         format: SourceFormat::Urdf,
     };
