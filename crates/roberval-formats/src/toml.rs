@@ -1,6 +1,7 @@
 //! Robot TOML: modified Denavit-Hartenberg frames of Khalil and Kleinfinger.
 
 mod clean;
+mod couple;
 mod loops;
 mod section;
 mod write;
@@ -29,7 +30,7 @@ const MAX_CONSTANTS: usize = 1000;
 /// The name that stands for the base in `antecedent`.
 pub(crate) const BASE: &str = "base";
 
-const ROBOT_KEYS: &[&str] = &["name", "gravity", "constants", "link", "loop"];
+const ROBOT_KEYS: &[&str] = &["name", "gravity", "constants", "link", "couple", "loop"];
 const LINK_KEYS: &[&str] = &[
     "name",
     "antecedent",
@@ -69,15 +70,23 @@ pub fn parse_toml(text: &str, source_name: &str) -> Result<RobotDescription, For
         format: SourceFormat::Mdh,
         warnings: Vec::new(),
     };
+    let dependent = couple::dependent_joints(&robot)?;
     let tables = link_tables(&robot)?;
     for (number, (table, offset)) in (1..).zip(&tables) {
         let place = format!("link {number}");
         let section = Section::new(&source, *table, &place, *offset);
         let previous = description.links.last().map(|link| link.name.as_str());
-        let link = link(&section, number, previous, &description.constants)?;
+        let link = link(
+            &section,
+            number,
+            previous,
+            &dependent,
+            &description.constants,
+        )?;
         description.links.push(link);
     }
     check_tree(&source, &description, &tables)?;
+    couple::couples(&robot, &mut description)?;
     description.loops = loops::read(&robot, &description)?;
     description.warnings = warnings(&description);
     Ok(description)
@@ -180,6 +189,7 @@ fn link(
     section: &Section,
     number: usize,
     previous: Option<&str>,
+    dependent: &[String],
     constants: &Constants,
 ) -> Result<LinkDescription, FormatError> {
     section.only(LINK_KEYS)?;
@@ -192,7 +202,8 @@ fn link(
     }
     let joint = joint_kind(section)?;
     let moving = joint != JointKind::Fixed;
-    let active = section.boolean("active")?.unwrap_or(moving);
+    let driven = moving && !dependent.contains(&name);
+    let active = section.boolean("active")?.unwrap_or(driven);
     let rotor = section.boolean("rotor")?.unwrap_or(active && moving);
     for (key, value) in [("active", active), ("rotor", rotor)] {
         if value && !moving {

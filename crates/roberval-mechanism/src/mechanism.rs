@@ -213,6 +213,14 @@ impl Mechanism {
         }
     }
 
+    /// What the description's couples say, of a mechanism with loops or without.
+    #[must_use]
+    pub fn couples(&self) -> Option<Closure> {
+        let order: Vec<usize> = self.links.iter().map(|l| l.in_file).collect();
+        // A mechanism's couples have been found to be valid.
+        Closure::of(&self.description, &order).unwrap_or_default()
+    }
+
     /// The standard parameters as columns.
     #[must_use]
     pub fn parameters(&self) -> ParameterSpace {

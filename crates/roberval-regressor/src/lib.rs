@@ -13,6 +13,7 @@ mod dynamics;
 mod energy;
 mod exact;
 mod expansion;
+mod loops;
 mod motion;
 mod sink;
 mod transmission;

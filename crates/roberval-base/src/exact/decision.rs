@@ -1,7 +1,7 @@
 //! Two fields, one answer.
 
 use roberval_mechanism::Mechanism;
-use roberval_regressor::{AngleOrder, Model, NotInField};
+use roberval_regressor::{AngleOrder, Model, NoValue, NotInField};
 
 use super::coefficients::coefficients;
 use super::number::ExactNumber;
@@ -54,6 +54,9 @@ pub enum ExactError {
     /// A number of the robot has no place in any of many fields.
     #[error("{0}; give it as a decimal number instead")]
     NotInField(#[from] NotInField),
+    /// The constraints have no value at a random state.
+    #[error(transparent)]
+    NoValue(#[from] NoValue),
     /// Fields disagree again and again.
     #[error("prime fields disagree about the rank ({ranks:?}): please report this robot")]
     Disagreement {

@@ -163,7 +163,7 @@ fn copied(source: &Source, joints: &[Joint]) -> Result<Vec<Option<usize>>, Forma
                 "it mimics joint {}, which does not exist",
                 quoted(&mimic.joint)
             );
-            let error = fault(source, joint, Code::MimicUnknown, what);
+            let error = fault(source, joint, Code::CoupleUnknown, what);
             return Err(match nearest(&mimic.joint, sorted(&names)) {
                 Some(near) => error.hint(format!("did you mean {}?", quoted(near))),
                 None => error,
@@ -186,7 +186,7 @@ fn copied(source: &Source, joints: &[Joint]) -> Result<Vec<Option<usize>>, Forma
         Some(circle) => {
             let names = list(circle.iter().map(|j| joints[*j].name.as_str()));
             let what = format!("mimic joints copy each other in a circle: {names}");
-            Err(fault(source, &joints[circle[0]], Code::MimicCycle, what)
+            Err(fault(source, &joints[circle[0]], Code::CoupleCycle, what)
                 .hint("one of them must move by itself"))
         }
     }

@@ -6,7 +6,7 @@ use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
-use roberval_mechanism::{Geometry, RobotDescription};
+use roberval_mechanism::{Closure, Geometry, RobotDescription, VariableLaw};
 use roberval_scalar::{Fp, LinearInPi, Modulus, Quantity, SplitMix64};
 
 use super::geometry::Rotation;
@@ -70,11 +70,21 @@ impl AngleOrder {
     }
 }
 
-fn angles(robot: &RobotDescription) -> impl Iterator<Item = &Quantity> {
-    robot.links.iter().flat_map(|link| match &link.geometry {
+/// All angles of a description, those included at which couples hold joints where the
+/// others stand at 0.
+fn angles(robot: &RobotDescription) -> Vec<Quantity> {
+    let links = robot.links.iter().flat_map(|link| match &link.geometry {
         Geometry::Mdh(g) => vec![&g.gamma, &g.alpha, &g.theta],
         Geometry::Placed { origins, .. } => origins.iter().flat_map(|o| &o.rpy).collect(),
-    })
+    });
+    let order: Vec<usize> = (0..robot.links.len()).collect();
+    let closure = Closure::of(robot, &order).ok().flatten();
+    let laws = closure.iter().flat_map(|c| &c.laws);
+    let offsets = laws.filter_map(|law| match law {
+        VariableLaw::Affine(law) => Some(&law.offset),
+        VariableLaw::Independent(_) | VariableLaw::Implicit => None,
+    });
+    links.chain(offsets).cloned().collect()
 }
 
 /// A point of the circle from `t = tan(angle/2)`; `None` where `1 + t^2 = 0`.
@@ -216,7 +226,7 @@ impl<'m> Angles<'m> {
     }
 }
 
-fn random_point<'m>(modulus: &'m Modulus, random: &mut SplitMix64) -> Rotation<Fp<'m>> {
+pub(crate) fn random_point<'m>(modulus: &'m Modulus, random: &mut SplitMix64) -> Rotation<Fp<'m>> {
     loop {
         if let Some(point) = circle_point(modulus.random(random)) {
             return point;

@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 
+use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, ToPrimitive, Zero};
 use roberval_scalar::{Expr, Fp, LinearInPi, Quantity};
@@ -35,6 +36,15 @@ impl<'m> Lengths<'m, '_> {
         }
         self.roots.set(true);
         self.expr(&quantity.expr, angles)
+    }
+
+    /// The positive square root of a fraction.
+    pub fn length(&self, square: &BigRational, angles: &Angles<'m>) -> Result<Fp<'m>, NotInField> {
+        let whole = |n: &BigInt| n.sqrt().pow(2) == *n;
+        if !(whole(square.numer()) && whole(square.denom())) {
+            self.roots.set(true);
+        }
+        self.root(square, angles)
     }
 
     pub fn fraction(&self, x: &BigRational) -> Result<Fp<'m>, NotInField> {
@@ -71,7 +81,7 @@ impl<'m> Lengths<'m, '_> {
 
     /// `sqrt(n/d) = sqrt(n d)/d`, a product of square roots of primes, so that
     /// `sqrt(2) sqrt(3) = sqrt(6)` holds in the field too.
-    fn root(&self, square: &BigRational, angles: &Angles<'m>) -> Result<Fp<'m>, NotInField> {
+    pub fn root(&self, square: &BigRational, angles: &Angles<'m>) -> Result<Fp<'m>, NotInField> {
         let whole = square.numer() * square.denom();
         let denominator = self.fraction(&BigRational::new(One::one(), square.denom().clone()))?;
         let Some(mut rest) = whole.to_u64().filter(|n| *n <= LARGEST_RADICAND) else {

@@ -6,6 +6,7 @@
 //! is then that of the robot with a generic value there, and says so.
 
 mod angles;
+mod closure;
 mod geometry;
 mod lengths;
 mod model;

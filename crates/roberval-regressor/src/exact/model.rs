@@ -1,9 +1,10 @@
 use std::cell::Cell;
 
 use roberval_mechanism::{JointKind, Mechanism, ParameterSpace};
-use roberval_scalar::{Fp, Modulus, Quantity, SplitMix64};
+use roberval_scalar::{Fp, LinearInPi, Modulus, Quantity, SplitMix64};
 
 use super::angles::{AngleOrder, Angles};
+use super::closure::ExactClosure;
 use super::geometry::{Numbers, Rotation, RowsWorkspace, tree};
 use super::lengths::Lengths;
 use crate::{Body, Constants, JointMotion, Model, Tree};
@@ -27,6 +28,7 @@ pub enum NotInField {
 pub struct ExactModel<'m> {
     modulus: &'m Modulus,
     tree: Tree<Fp<'m>>,
+    closure: Option<ExactClosure<'m>>,
     space: ParameterSpace,
     generic: Vec<String>,
     rotations: usize,
@@ -62,13 +64,18 @@ impl<'m> ExactModel<'m> {
             },
             half: modulus.integer(2).inverse().ok_or(NotInField::Inverse)?,
         };
+        let tree = tree(mechanism, &mut numbers)?;
+        let closure = ExactClosure::of(mechanism, &mut numbers)?;
+        let mut generic = numbers.angles.generic_texts.clone();
+        generic.extend(closure.iter().flat_map(|c| c.generic_texts.clone()));
         Ok(Self {
             modulus,
-            tree: tree(mechanism, &mut numbers)?,
+            tree,
+            closure,
             space: mechanism.parameters(),
             roots: numbers.angles.roots(),
             has_roots: numbers.lengths.roots.get(),
-            generic: numbers.angles.generic_texts,
+            generic,
             rotations: numbers.angles.generic_rotations,
         })
     }
@@ -111,10 +118,15 @@ impl<'m> ExactModel<'m> {
 
     /// An upper bound of the degree of a row's entries, denominators cleared, in the
     /// random values: a rotation enters at most three times, twice by `w x w` and once by
-    /// transport, each with degree 2 in its half-angle tangent; velocities add 2.
+    /// transport, each with degree 2 in its half-angle tangent; velocities add 2. A joint
+    /// that follows others at powers of their rotations counts as often as these say.
     #[must_use]
     pub fn degree(&self) -> usize {
-        6 * (self.tree.dof + self.rotations) + 2
+        let joints = self
+            .closure
+            .as_ref()
+            .map_or(self.tree.dof, ExactClosure::turns);
+        6 * (joints + self.rotations) + 2
     }
 
     /// Fills `rows` (rows of a sample x C) at a random state. Rows of h are not yet
@@ -129,8 +141,26 @@ impl<'m> ExactModel<'m> {
         work: &mut ExactWorkspace<'m>,
         rows: &mut [Fp<'m>],
     ) {
-        let motion = |body: &Body<Fp<'m>>| self.motion(body, model, random);
-        work.fill(&self.tree, &self.space, model, motion, rows);
+        let rest = model == Model::D0;
+        let Some(closure) = &self.closure else {
+            let motion = |body: &Body<Fp<'m>>| self.free_motion(body, rest, random);
+            work.fill(&self.tree, &self.space, model, motion, None, rows);
+            return;
+        };
+        let constants = self.tree.constants;
+        let joints: Vec<&Body<Fp<'m>>> = self
+            .tree
+            .bodies
+            .iter()
+            .filter(|b| b.variable.is_some())
+            .collect();
+        let motions = closure.motions(constants, rest, random, |variable, qd, qdd, random| {
+            self.motion(joints[variable], qd, qdd, random)
+        });
+        let still = still(constants);
+        let motion = |body: &Body<Fp<'m>>| body.variable.map_or(still, |v| motions[v]);
+        let transmission = Some(&closure.transmission);
+        work.fill(&self.tree, &self.space, model, motion, transmission, rows);
     }
 
     /// Working memory for [`ExactModel::fill`].
@@ -139,12 +169,30 @@ impl<'m> ExactModel<'m> {
         RowsWorkspace::new(&self.tree)
     }
 
-    /// A random motion: a rational point of the circle for a revolute joint, in units of
+    /// A random motion of a joint by itself.
+    fn free_motion(
+        &self,
+        body: &Body<Fp<'m>>,
+        rest: bool,
+        random: &mut SplitMix64,
+    ) -> JointMotion<Fp<'m>> {
+        let zero = self.tree.constants.zero;
+        let motion = self.motion(body, zero, zero, random);
+        let mut draw = || self.modulus.random(random);
+        JointMotion {
+            qd: if rest { zero } else { draw() },
+            qdd: draw(),
+            ..motion
+        }
+    }
+
+    /// A random position: a rational point of the circle for a revolute joint, in units of
     /// its axis vector a: `t = tan(q/2)/|a|`.
     fn motion(
         &self,
         body: &Body<Fp<'m>>,
-        model: Model,
+        qd: Fp<'m>,
+        qdd: Fp<'m>,
         random: &mut SplitMix64,
     ) -> JointMotion<Fp<'m>> {
         let Constants { zero, one, .. } = self.tree.constants;
@@ -165,15 +213,26 @@ impl<'m> ExactModel<'m> {
             JointKind::Prismatic => q = draw(),
             JointKind::Fixed => {}
         }
-        let qd = if model == Model::D0 { zero } else { draw() };
         JointMotion {
             cos,
             sin,
             versine,
             q,
             qd,
-            qdd: draw(),
+            qdd,
         }
+    }
+}
+
+/// The motion of a fixed joint.
+fn still<T: Copy>(Constants { zero, one, .. }: Constants<T>) -> JointMotion<T> {
+    JointMotion {
+        cos: one,
+        sin: zero,
+        versine: zero,
+        q: zero,
+        qd: zero,
+        qdd: zero,
     }
 }
 
@@ -181,7 +240,7 @@ impl<'m> ExactModel<'m> {
 pub type ExactWorkspace<'m> = RowsWorkspace<Fp<'m>>;
 
 /// Literals as numbers of the field.
-struct FieldNumbers<'m, 'd> {
+pub(super) struct FieldNumbers<'m, 'd> {
     angles: Angles<'m>,
     lengths: Lengths<'m, 'd>,
     half: Fp<'m>,
@@ -205,5 +264,32 @@ impl<'m> Numbers for FieldNumbers<'m, '_> {
 
     fn value(&mut self, quantity: &Quantity) -> Result<Fp<'m>, NotInField> {
         self.lengths.value(quantity, &self.angles)
+    }
+
+    /// The positive root where the square is a fraction; elsewhere either.
+    fn inverse_length(
+        &mut self,
+        axis: &[Quantity; 3],
+        squared: Fp<'m>,
+    ) -> Result<Fp<'m>, NotInField> {
+        let one = self.lengths.modulus.integer(1);
+        if squared == one {
+            return Ok(one);
+        }
+        let component = |x: &Quantity| {
+            let exact = LinearInPi::of(&x.expr, self.lengths.constants)?;
+            exact.as_rational().map(|x| x * x)
+        };
+        let [x, y, z] = axis.each_ref().map(component);
+        let root = match (x, y, z) {
+            (Some(x), Some(y), Some(z)) => self.lengths.length(&(x + y + z), &self.angles)?,
+            _ => {
+                self.angles
+                    .generic_texts
+                    .push("the length of an axis".to_owned());
+                squared.sqrt().ok_or(NotInField::Root)?
+            }
+        };
+        root.inverse().ok_or(NotInField::Inverse)
     }
 }
