@@ -4,9 +4,10 @@
 //! the Jacobian loses rank: the size of its smallest kept |R_kk| bounds how far that is,
 //! steps are a part of it, and the walk turns back before it is lost. So no step can pass
 //! from one branch to another, and what is analytic on the branch is decided on the arc
-//! between its singular points.
+//! between its singular points. In the same way the walk turns back where the independent
+//! joints cease to lead the others: it stays in one assembly mode.
 
-use roberval_scalar::SplitMix64;
+use roberval_scalar::{Real, SplitMix64};
 
 use super::Assembly;
 use super::pivoted_qr::PivotedQr;
@@ -48,7 +49,8 @@ pub struct Walk<'a> {
     q: Vec<f64>,
     /// A basis of the tangent space there.
     tangent: Vec<Vec<f64>>,
-    /// The smallest kept |R_kk| there.
+    /// How far it is from singular there: the smallest kept |R_kk| of all equations, and
+    /// of those for the dependent joints.
     regularity: f64,
     direction: Vec<f64>,
     random: SplitMix64,
@@ -93,6 +95,12 @@ impl<'a> Walk<'a> {
             left = self.random.uniform(0.0, BETWEEN.1);
         }
         None
+    }
+
+    /// Goes back to a configuration that it was at (rad or m).
+    pub fn go_back(&mut self, q: &[f64]) {
+        self.q = self.assembly.in_units(q);
+        (self.tangent, self.regularity) = tangent_space(self.assembly, &self.q);
     }
 
     /// The distance of the start in the joint that moved most, after some steps.
@@ -165,11 +173,10 @@ impl<'a> Walk<'a> {
         let jacobian = linkage.at(&self.q).jacobian();
         let dependent = self.assembly.dependent();
         let qr = columns_qr(&jacobian, &dependent);
-        let column = |k: &usize| qr.solve(jacobian.iter().map(|row| row[*k]).collect());
-        qr.rank(SINGULAR) == dependent.len()
-            && independent
-                .iter()
-                .all(|k| largest(&column(k)) <= 1.0 / REGULAR)
+        let rates = |k: &usize| qr.solve(jacobian.iter().map(|row| row[*k]).collect());
+        independent
+            .iter()
+            .all(|k| largest(&rates(k)) <= 1.0 / REGULAR)
     }
 
     /// Joints outside of all loops stand anywhere.
@@ -191,15 +198,22 @@ impl<'a> Walk<'a> {
 /// An orthonormal basis of the directions that keep the loops closed, and how far the
 /// place is from a singular one.
 fn tangent_space(assembly: &Assembly, q: &[f64]) -> (Vec<Vec<f64>>, f64) {
-    let qr = PivotedQr::of(assembly.linkage.at(q).jacobian(), q.len());
-    let diagonal = qr.diagonal();
-    let regularity = match assembly.rank {
-        0 => 1.0,
-        rank => diagonal
-            .get(rank - 1)
-            .map_or(0.0, |x| x / diagonal[0].max(1.0)),
-    };
+    let jacobian = assembly.linkage.at(q).jacobian();
+    let mut regularity = 1.0;
+    if !assembly.independent.is_empty() {
+        regularity = smallest(&columns_qr(&jacobian, &assembly.dependent()), assembly.rank);
+    }
+    let qr = PivotedQr::of(jacobian, q.len());
+    let regularity = smallest(&qr, assembly.rank).min(regularity);
     (qr.complement(assembly.rank), regularity)
+}
+
+/// |R_kk| of this rank over the largest (or over 1, if that is less).
+fn smallest<T: Real>(qr: &PivotedQr<T>, rank: usize) -> f64 {
+    let diagonal = qr.diagonal();
+    let ratio = |x: &f64| x / diagonal[0].max(1.0);
+    let last = rank.checked_sub(1).map(|k| diagonal.get(k));
+    last.map_or(1.0, |x| x.map_or(0.0, ratio))
 }
 
 fn projected_raw(direction: &[f64], tangent: &[Vec<f64>]) -> Vec<f64> {
