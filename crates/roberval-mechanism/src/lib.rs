@@ -15,6 +15,7 @@ mod description;
 mod mechanism;
 mod order;
 mod parameters;
+mod physical;
 mod placement;
 
 pub use clean::{
@@ -28,3 +29,4 @@ pub use description::{
 };
 pub use mechanism::{Cleaning, Link, Mechanism, MechanismError};
 pub use parameters::{ParameterId, ParameterKind, ParameterSpace};
+pub use physical::{Unphysical, unphysical};

@@ -186,7 +186,7 @@ fn warnings(links: &[Link], joints: &[Joint], described: &[LinkDescription]) -> 
     warn(
         links
             .iter()
-            .filter(|l| !l.plausible)
+            .filter(|l| l.unphysical.is_some())
             .map(|l| l.name.as_str())
             .collect(),
         "links with an inertia that no body has",
