@@ -4,14 +4,18 @@
 //! * [`dynamics`]: the rows of the dynamic model d (and of d0, at rest).
 //! * [`energy`]: the row of the energy model h.
 //! * [`Sink`]: where the columns go: dense rows, torques, selected columns.
+//! * [`Expansion`]: the state of all joints from that of the independent ones, and G;
+//!   [`Projected`]: rows for the independent ones.
 //! * [`Regressor`]: all of it for floats, over many samples.
 
 mod batch;
 mod dynamics;
 mod energy;
 mod exact;
+mod expansion;
 mod motion;
 mod sink;
+mod transmission;
 mod tree;
 mod vector;
 
@@ -22,6 +26,8 @@ pub use exact::{
     AngleOrder, AngleParts, AngleUnit, AngleUnits, ExactModel, ExactWorkspace, NotInField,
     PreciseModel, RowsWorkspace,
 };
+pub use expansion::{Expansion, JointStates, NoValue};
 pub use motion::JointMotion;
 pub use sink::{DenseRows, SelectedRows, Sink, Torques};
+pub use transmission::{Projected, Transmission};
 pub use tree::{Body, Constants, Tree};

@@ -1,10 +1,20 @@
-use roberval_mechanism::{JointKind, Mimic, Origin};
+use roberval_mechanism::{JointKind, Origin};
 use roberval_scalar::Quantity;
 
 use super::Named;
 use super::node::Element;
 use crate::error::{Code, FormatError};
 use crate::words::{nearest, quoted};
+
+/// A `<mimic>`: q = multiplier * q(joint) + offset.
+pub(super) struct Mimic {
+    /// Name of the joint that is copied.
+    pub joint: String,
+    /// Factor, default 1.
+    pub multiplier: Quantity,
+    /// Offset, default 0.
+    pub offset: Quantity,
+}
 
 /// A `<joint>` with its numbers as written.
 pub(super) struct Joint {
