@@ -177,7 +177,7 @@ fn inertia(mechanism: &Mechanism) -> Document {
         let none = "The robot file gives no inertial parameters: the analysis needs none.";
         return vec![Block::Heading(none.to_owned())];
     }
-    vec![
+    let mut blocks = vec![
         Block::Heading(
             "Known inertial parameters, about the origin of the link's frame (SI units)".to_owned(),
         ),
@@ -186,7 +186,15 @@ fn inertia(mechanism: &Mechanism) -> Document {
             rows,
             folded: true,
         }),
-    ]
+    ];
+    let unknown = |link: &&Link| link.inertia.iter().all(Option::is_none);
+    let links = mechanism.links.iter().filter(unknown);
+    let names: Vec<&str> = links.map(|link| link.name.as_str()).collect();
+    if !names.is_empty() {
+        let note = "Links without inertial values (the analysis needs none)";
+        blocks.push(Block::Lines(vec![format!("{note}: {}", names.join(", "))]));
+    }
+    blocks
 }
 
 /// One row a link: its place in the tree, its frame's origin and its known parameters.

@@ -68,6 +68,7 @@ pub(super) fn description(
         format: SourceFormat::Urdf,
     };
     robot.warnings.extend(suspects::degrees(&robot));
+    robot.warnings.append(&mut source.warnings.borrow_mut());
     Ok(robot)
 }
 
@@ -167,14 +168,6 @@ fn warnings(links: &[Link], joints: &[Joint], described: &[LinkDescription]) -> 
         let kept = joints.iter().filter(moving).filter(|j| keep(j));
         kept.map(|j| j.name.as_str()).collect()
     };
-    warn(
-        described
-            .iter()
-            .filter(|l| l.joint != JointKind::Fixed && l.inertia[9].is_none())
-            .map(|l| l.name.as_str())
-            .collect(),
-        "links without inertial values",
-    );
     warn(
         described
             .iter()
