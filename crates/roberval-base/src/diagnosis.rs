@@ -253,7 +253,8 @@ fn generic_angles(texts: &[String]) -> String {
         ""
     };
     format!(
-        "decided for generic values of the angles {named}{more} (rad), which have no exact cosine"
+        "decided as if the angles {named}{more} (rad) were not related: they have too many digits \
+         for a common unit"
     )
 }
 
