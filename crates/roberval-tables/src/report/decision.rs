@@ -89,8 +89,7 @@ fn file(answer: &BaseParameters) -> String {
         part("Left as written", near.map(ToString::to_string).collect());
     }
     if parts.is_empty() {
-        return "<p>Nothing to remark: no rounded angles, no missing or impossible values.</p>"
-            .to_owned();
+        return "<p>Nothing to remark: its numbers were taken as they stand.</p>".to_owned();
     }
     if answer
         .diagnosis
