@@ -2,6 +2,7 @@
 //!
 //! * [`Tree`]: the robot's constants in the recursion's scalar.
 //! * [`dynamics`]: the rows of the dynamic model d (and of d0, at rest).
+//! * [`newton_euler`]: the torques themselves, with the forces carried inward.
 //! * [`energy`]: the row of the energy model h.
 //! * [`Sink`]: where the columns go: dense rows, torques, selected columns.
 //! * [`Regressor`]: all of it for floats, over many samples.
@@ -11,6 +12,7 @@ mod dynamics;
 mod energy;
 mod exact;
 mod motion;
+mod newton_euler;
 mod sink;
 mod tree;
 mod vector;
@@ -20,5 +22,6 @@ pub use dynamics::{DynamicsWorkspace, dynamics};
 pub use energy::{EnergyWorkspace, energy};
 pub use exact::{AngleOrder, ExactModel, ExactWorkspace, NotInField, PreciseModel, RowsWorkspace};
 pub use motion::JointMotion;
+pub use newton_euler::{Shape, newton_euler};
 pub use sink::{DenseRows, SelectedRows, Sink, Torques};
 pub use tree::{Body, Constants, Tree};
