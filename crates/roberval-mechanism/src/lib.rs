@@ -11,6 +11,7 @@ mod description;
 mod mechanism;
 mod order;
 mod parameters;
+mod physical;
 mod placement;
 
 pub use clean::{
@@ -22,3 +23,4 @@ pub use description::{
 };
 pub use mechanism::{Cleaning, Link, Mechanism, MechanismError};
 pub use parameters::{ParameterId, ParameterKind, ParameterSpace};
+pub use physical::{Unphysical, unphysical};

@@ -20,7 +20,10 @@ mod vector;
 pub use batch::{Model, Regressor, RegressorError, States};
 pub use dynamics::{DynamicsWorkspace, dynamics};
 pub use energy::{EnergyWorkspace, energy};
-pub use exact::{AngleOrder, ExactModel, ExactWorkspace, NotInField, PreciseModel, RowsWorkspace};
+pub use exact::{
+    AngleOrder, AngleParts, AngleUnit, AngleUnits, ExactModel, ExactWorkspace, NotInField,
+    PreciseModel, RowsWorkspace,
+};
 pub use motion::JointMotion;
 pub use newton_euler::{Shape, newton_euler};
 pub use sink::{DenseRows, SelectedRows, Sink, Torques};

@@ -29,7 +29,7 @@ pub struct ExactDecision {
     /// The largest relative error that a coefficient without an exact form may have had
     /// before it was rounded: 0 if all have one; else about 1e-28. Infinite or large if
     /// the kept columns are not independent after all, which takes angles that stand for
-    /// generic ones and are not (0.3 and 0.6 rad).
+    /// generic ones and are not.
     pub rounding_error: f64,
     /// The primes of the fields that agreed.
     pub primes: Vec<u64>,
@@ -37,13 +37,13 @@ pub struct ExactDecision {
     pub seeds: Vec<u64>,
     /// The samples each field took until nothing was new.
     pub samples: Vec<usize>,
-    /// Angles that have no exact rotation and stood for generic ones, as written.
+    /// Angles without a common unit, for which independent generic ones stood, as written.
     pub generic: Vec<String>,
     /// The order n of the rotation whose powers are the robot's rational angles: the
     /// primes are -1 modulo n.
     pub angle_order: u64,
     /// An upper bound of the degree of a row's entries in the random values.
-    pub degree: usize,
+    pub degree: u64,
     /// An upper bound of the probability that the rank is too low.
     pub failure_probability: f64,
 }

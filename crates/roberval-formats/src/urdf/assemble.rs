@@ -174,7 +174,7 @@ fn warnings(
     warn(
         links
             .iter()
-            .filter(|l| !l.plausible)
+            .filter(|l| l.unphysical.is_some())
             .map(|l| l.name.as_str())
             .collect(),
         "links with an inertia that no body has",

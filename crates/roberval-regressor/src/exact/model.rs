@@ -29,7 +29,8 @@ pub struct ExactModel<'m> {
     tree: Tree<Fp<'m>>,
     space: ParameterSpace,
     generic: Vec<String>,
-    rotations: usize,
+    algebraic: bool,
+    steps: u64,
     roots: [Fp<'m>; 2],
     has_roots: bool,
 }
@@ -53,7 +54,7 @@ impl<'m> ExactModel<'m> {
         let mut random = SplitMix64::new(seed);
         let pi = modulus.random(&mut random);
         let mut numbers = FieldNumbers {
-            angles: Angles::new(modulus, order, conjugate, random),
+            angles: Angles::new(modulus, description, order, conjugate, &mut random),
             lengths: Lengths {
                 modulus,
                 constants: &description.constants,
@@ -68,8 +69,9 @@ impl<'m> ExactModel<'m> {
             space: mechanism.parameters(),
             roots: numbers.angles.roots(),
             has_roots: numbers.lengths.roots.get(),
-            generic: numbers.angles.generic_texts,
-            rotations: numbers.angles.generic_rotations,
+            generic: numbers.angles.units.generic(),
+            algebraic: numbers.angles.units.units().is_empty(),
+            steps: numbers.angles.steps,
         })
     }
 
@@ -85,10 +87,16 @@ impl<'m> ExactModel<'m> {
         &self.tree
     }
 
-    /// The angles that stand for generic ones, as written.
+    /// The angles for which generic ones stand, as written.
     #[must_use]
     pub fn generic(&self) -> &[String] {
         &self.generic
+    }
+
+    /// Whether all angles are multiples of 2 pi/order, whose cosines are algebraic numbers.
+    #[must_use]
+    pub fn is_algebraic(&self) -> bool {
+        self.algebraic
     }
 
     /// The square root of 2 that the angles mean by cos 45 degrees.
@@ -111,10 +119,11 @@ impl<'m> ExactModel<'m> {
 
     /// An upper bound of the degree of a row's entries, denominators cleared, in the
     /// random values: a rotation enters at most three times, twice by `w x w` and once by
-    /// transport, each with degree 2 in its half-angle tangent; velocities add 2.
+    /// transport, each with degree 2 in its half-angle tangent (2 N for the N-th power of a
+    /// random one); velocities add 2.
     #[must_use]
-    pub fn degree(&self) -> usize {
-        6 * (self.tree.dof + self.rotations) + 2
+    pub fn degree(&self) -> u64 {
+        6 * (self.tree.dof as u64 + self.steps) + 2
     }
 
     /// Fills `rows` (rows of a sample x C) at a random state. Rows of h are not yet
@@ -182,7 +191,7 @@ pub type ExactWorkspace<'m> = RowsWorkspace<Fp<'m>>;
 
 /// Literals as numbers of the field.
 struct FieldNumbers<'m, 'd> {
-    angles: Angles<'m>,
+    angles: Angles<'m, 'd>,
     lengths: Lengths<'m, 'd>,
     half: Fp<'m>,
 }
@@ -200,7 +209,7 @@ impl<'m> Numbers for FieldNumbers<'m, '_> {
     }
 
     fn rotation(&mut self, angle: &Quantity) -> Result<Rotation<Fp<'m>>, NotInField> {
-        Ok(self.angles.rotation(angle, self.lengths.constants))
+        Ok(self.angles.rotation(angle))
     }
 
     fn value(&mut self, quantity: &Quantity) -> Result<Fp<'m>, NotInField> {

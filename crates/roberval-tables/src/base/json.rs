@@ -9,7 +9,7 @@ use crate::robot;
 /// The answer for programs: `"schema": 1`, keys in this order.
 pub(crate) fn json(answer: &BaseParameters) -> String {
     let value = json!({
-        "schema": 1,
+        "schema": crate::SCHEMA,
         "robot": robot::json(&answer.mechanism),
         "model": answer.model.name(),
         "engine": answer.engine.name(),

@@ -1,0 +1,147 @@
+//! beta as a map: rows take up columns.
+
+use std::fmt::Write;
+
+use roberval_base::BaseParameters;
+
+use super::html::{figure, short, text};
+use crate::number::shortest;
+use crate::relation::Label;
+
+/// Side of a cell and room for labels, in pixels.
+const CELL: usize = 15;
+const LEFT: usize = 112;
+const TOP: usize = 104;
+
+/// Longer labels are cut.
+const LONGEST: usize = 15;
+
+pub(super) fn section(answer: &BaseParameters) -> String {
+    if answer.regrouped_into.is_empty() {
+        return String::new();
+    }
+    let levels = [
+        ("q4", "\u{2264} \u{2212}1"),
+        ("q3", "\u{2212}0.3"),
+        ("q2", "\u{2212}0.05"),
+        ("q1", "\u{2212}0"),
+        ("p1", "+0"),
+        ("p2", "0.05"),
+        ("p3", "0.3"),
+        ("p4", "\u{2265} 1"),
+    ];
+    let scale: Vec<String> = levels
+        .iter()
+        .map(|(class, name)| {
+            format!("<span><svg width=\"13\" height=\"13\"><rect class=\"h {class}\"/></svg>{name}</span>")
+        })
+        .collect();
+    let caption = format!(
+        "A row is a sum, a column a parameter that acts only inside sums; a cell is its coefficient: \
+         a number for inertias that move along, a length for moments, a length squared for masses. \
+         The other {} rows of &#946; are zero. <span class=\"scale\">{}</span>",
+        answer.unchanged.len(),
+        scale.concat()
+    );
+    format!(
+        "<section><h2>The coefficients &#946;</h2>{}</section>",
+        figure("Heat map of the coefficients beta", &map(answer), &caption)
+    )
+}
+
+fn map(answer: &BaseParameters) -> String {
+    let relations: Vec<_> = answer
+        .relations()
+        .into_iter()
+        .filter(|r| !r.terms.is_empty())
+        .collect();
+    let (rows, columns) = (relations.len(), answer.regrouped.len());
+    let (width, height) = (LEFT + columns * CELL + 10, TOP + rows * CELL + 10);
+    let mut svg = format!(
+        "<svg class=\"wide\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\
+         <rect class=\"back\" x=\"{LEFT}\" y=\"{TOP}\" width=\"{}\" height=\"{}\"/>",
+        columns * CELL,
+        rows * CELL
+    );
+    separators(
+        answer,
+        &relations.iter().map(|r| r.base).collect::<Vec<_>>(),
+        &mut svg,
+    );
+    let mut place = vec![0; answer.parameters.len()];
+    for (j, &column) in answer.regrouped.iter().enumerate() {
+        place[column] = j;
+        let x = LEFT + j * CELL + 11;
+        let label = text(&short(&Label::of(answer, column).text(), LONGEST));
+        // Writing to a string does not fail.
+        let _ = write!(
+            svg,
+            "<text class=\"tiny\" transform=\"translate({x} {}) rotate(-90)\">{label}</text>",
+            TOP - 5
+        );
+    }
+    for (i, relation) in relations.iter().enumerate() {
+        let y = TOP + i * CELL;
+        let sum = Label::of_base(answer, relation.base).text();
+        let _ = write!(
+            svg,
+            "<text class=\"tiny\" text-anchor=\"end\" x=\"{}\" y=\"{}\">{}</text>",
+            LEFT - 6,
+            y + 11,
+            text(&short(&sum, LONGEST))
+        );
+        let sum = text(&sum);
+        for &(column, coefficient) in &relation.terms {
+            let _ = write!(
+                svg,
+                "<rect class=\"h m {}\" x=\"{}\" y=\"{}\"><title>{sum} takes up {} {}</title></rect>",
+                level(coefficient),
+                LEFT + place[column] * CELL + 1,
+                y + 1,
+                shortest(coefficient),
+                text(&Label::of(answer, column).text()),
+            );
+        }
+    }
+    svg + "</svg>"
+}
+
+/// Lines between the links' blocks.
+fn separators(answer: &BaseParameters, bases: &[usize], svg: &mut String) {
+    let ids = answer.parameters.ids();
+    let cuts = |columns: &[usize]| -> Vec<usize> {
+        let pairs = columns.windows(2).enumerate();
+        pairs
+            .filter(|(_, pair)| ids[pair[0]].link != ids[pair[1]].link)
+            .map(|(i, _)| (i + 1) * CELL)
+            .collect()
+    };
+    let (width, height) = (answer.regrouped.len() * CELL, bases.len() * CELL);
+    for x in cuts(&answer.regrouped) {
+        let _ = write!(
+            svg,
+            "<path class=\"sep\" d=\"M{},{TOP}v{height}\"/>",
+            LEFT + x
+        );
+    }
+    for y in cuts(bases) {
+        let _ = write!(
+            svg,
+            "<path class=\"sep\" d=\"M{LEFT},{}h{width}\"/>",
+            TOP + y
+        );
+    }
+}
+
+/// How deep the colour is.
+fn level(x: f64) -> &'static str {
+    let step = [0.05, 0.3, 1.0 - 1e-9]
+        .iter()
+        .filter(|s| x.abs() >= **s)
+        .count();
+    if x < 0.0 {
+        ["q1", "q2", "q3", "q4"][step]
+    } else {
+        ["p1", "p2", "p3", "p4"][step]
+    }
+}
