@@ -91,7 +91,7 @@ impl Opened {
 }
 
 /// What a float engine makes of the robot that the exact engine decided.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Witness {
     /// The engine.
     pub engine: Engine,
@@ -102,6 +102,10 @@ pub struct Witness {
     /// The gap of its spectrum at the structural rank; `None` if nothing is on one side
     /// (or, for the staircase, where the spectrum is not in order).
     pub gap_at_structural: Option<f64>,
+    /// What it decides on, nonincreasing.
+    pub spectrum: Vec<f64>,
+    /// Entries of the spectrum at or below it count as zero.
+    pub tolerance: f64,
 }
 
 impl Diagnosis {
@@ -252,6 +256,8 @@ impl Witness {
             rank: decision.rank,
             gap: decision.gap,
             gap_at_structural: gap,
+            spectrum: sorted,
+            tolerance: decision.tolerance,
         }
     }
 
@@ -279,7 +285,8 @@ fn generic_angles(texts: &[String]) -> String {
         ""
     };
     format!(
-        "decided for generic values of the angles {named}{more} (rad), which have no exact cosine"
+        "decided as if the angles {named}{more} (rad) were not related: they have too many digits \
+         for a common unit"
     )
 }
 

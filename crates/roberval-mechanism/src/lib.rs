@@ -18,6 +18,7 @@ mod loops;
 mod mechanism;
 mod order;
 mod parameters;
+mod physical;
 mod placement;
 
 pub use clean::{
@@ -35,3 +36,4 @@ pub use loops::{
 };
 pub use mechanism::{Cleaning, Link, Mechanism, MechanismError};
 pub use parameters::{ParameterId, ParameterKind, ParameterSpace};
+pub use physical::{Unphysical, unphysical};

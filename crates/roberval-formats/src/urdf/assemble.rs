@@ -69,6 +69,7 @@ pub(super) fn description(
         format: SourceFormat::Urdf,
     };
     robot.warnings.extend(suspects::degrees(&robot));
+    robot.warnings.append(&mut source.warnings.borrow_mut());
     Ok(robot)
 }
 
@@ -171,14 +172,6 @@ fn warnings(links: &[Link], joints: &[Joint], described: &[LinkDescription]) -> 
     warn(
         described
             .iter()
-            .filter(|l| l.joint != JointKind::Fixed && l.inertia[9].is_none())
-            .map(|l| l.name.as_str())
-            .collect(),
-        "links without inertial values",
-    );
-    warn(
-        described
-            .iter()
             .filter(|l| l.inertia[9].as_ref().is_some_and(|mass| mass.value < 0.0))
             .map(|l| l.name.as_str())
             .collect(),
@@ -187,7 +180,7 @@ fn warnings(links: &[Link], joints: &[Joint], described: &[LinkDescription]) -> 
     warn(
         links
             .iter()
-            .filter(|l| !l.plausible)
+            .filter(|l| l.unphysical.is_some())
             .map(|l| l.name.as_str())
             .collect(),
         "links with an inertia that no body has",

@@ -102,7 +102,7 @@ fn end(element: &Element, tag: &str) -> Result<String, FormatError> {
 pub(super) fn origin(element: &Element, joint: &str) -> Result<Origin, FormatError> {
     let zeros = || [(); 3].map(|()| Quantity::zero());
     let (mut xyz, mut rpy) = (None, None);
-    if let Some(origin) = element.child("origin")? {
+    if let Some(origin) = element.first_child("origin") {
         if origin.attribute("quat_xyzw")?.is_some() {
             let what = "quaternions are not supported";
             return Err(origin

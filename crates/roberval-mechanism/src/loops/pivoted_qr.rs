@@ -155,13 +155,14 @@ mod tests {
         let mut draw =
             |n: usize| -> Vec<T> { (0..n).map(|_| T::from(random.uniform(-1.0, 1.0))).collect() };
         let basis: Vec<Vec<T>> = (0..rank).map(|_| draw(rows)).collect();
-        let column = |factors: Vec<T>| {
-            (0..rows).map(|i| {
-                let terms = basis.iter().zip(&factors);
+        let column = |factors: &[T]| -> Vec<T> {
+            let entry = |i: usize| {
+                let terms = basis.iter().zip(factors);
                 terms.fold(T::from(0.0), |sum, (b, &f)| b[i].mul_add(f, sum))
-            })
+            };
+            (0..rows).map(entry).collect()
         };
-        (0..columns).map(|_| column(draw(rank)).collect()).collect()
+        (0..columns).map(|_| column(&draw(rank))).collect()
     }
 
     fn check<T: Real>(eps: f64) {

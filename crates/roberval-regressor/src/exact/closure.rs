@@ -135,12 +135,12 @@ impl<'m> ExactClosure<'m> {
     }
 
     /// The sum over the joints of the number of circle points in their rotations.
-    pub fn turns(&self) -> usize {
+    pub fn turns(&self) -> u64 {
         let count = |joint: &JointLaw| match joint {
             JointLaw::Free | JointLaw::Prismatic(_) => 1,
             JointLaw::Revolute(turns) => {
-                let powers = turns.powers.iter().map(|(_, e)| e.unsigned_abs() as usize);
-                powers.sum::<usize>() + turns.generic.len()
+                let powers = turns.powers.iter().map(|(_, e)| e.unsigned_abs());
+                powers.sum::<u64>() + turns.generic.len() as u64
             }
         };
         self.joints.iter().map(count).sum()

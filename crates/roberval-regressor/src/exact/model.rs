@@ -31,7 +31,8 @@ pub struct ExactModel<'m> {
     closure: Option<ExactClosure<'m>>,
     space: ParameterSpace,
     generic: Vec<String>,
-    rotations: usize,
+    algebraic: bool,
+    steps: u64,
     roots: [Fp<'m>; 2],
     has_roots: bool,
 }
@@ -55,7 +56,7 @@ impl<'m> ExactModel<'m> {
         let mut random = SplitMix64::new(seed);
         let pi = modulus.random(&mut random);
         let mut numbers = FieldNumbers {
-            angles: Angles::new(modulus, order, conjugate, random),
+            angles: Angles::new(modulus, mechanism, order, conjugate, &mut random),
             lengths: Lengths {
                 modulus,
                 constants: &description.constants,
@@ -63,10 +64,12 @@ impl<'m> ExactModel<'m> {
                 roots: Cell::new(false),
             },
             half: modulus.integer(2).inverse().ok_or(NotInField::Inverse)?,
+            lengths_of_axes: Vec::new(),
         };
         let tree = tree(mechanism, &mut numbers)?;
         let closure = ExactClosure::of(mechanism, &mut numbers)?;
-        let mut generic = numbers.angles.generic_texts.clone();
+        let mut generic = numbers.angles.units.generic();
+        generic.extend(numbers.lengths_of_axes);
         generic.extend(closure.iter().flat_map(|c| c.generic_texts.clone()));
         Ok(Self {
             modulus,
@@ -76,7 +79,8 @@ impl<'m> ExactModel<'m> {
             roots: numbers.angles.roots(),
             has_roots: numbers.lengths.roots.get(),
             generic,
-            rotations: numbers.angles.generic_rotations,
+            algebraic: numbers.angles.units.units().is_empty(),
+            steps: numbers.angles.steps,
         })
     }
 
@@ -92,10 +96,16 @@ impl<'m> ExactModel<'m> {
         &self.tree
     }
 
-    /// The angles that stand for generic ones, as written.
+    /// The angles for which generic ones stand, as written.
     #[must_use]
     pub fn generic(&self) -> &[String] {
         &self.generic
+    }
+
+    /// Whether all angles are multiples of 2 pi/order, whose cosines are algebraic numbers.
+    #[must_use]
+    pub fn is_algebraic(&self) -> bool {
+        self.algebraic
     }
 
     /// The square root of 2 that the angles mean by cos 45 degrees.
@@ -118,15 +128,16 @@ impl<'m> ExactModel<'m> {
 
     /// An upper bound of the degree of a row's entries, denominators cleared, in the
     /// random values: a rotation enters at most three times, twice by `w x w` and once by
-    /// transport, each with degree 2 in its half-angle tangent; velocities add 2. A joint
-    /// that follows others at powers of their rotations counts as often as these say.
+    /// transport, each with degree 2 in its half-angle tangent (2 N for the N-th power of a
+    /// random one); velocities add 2. A joint that follows others at powers of their
+    /// rotations counts as often as these say.
     #[must_use]
-    pub fn degree(&self) -> usize {
+    pub fn degree(&self) -> u64 {
         let joints = self
             .closure
             .as_ref()
-            .map_or(self.tree.dof, ExactClosure::turns);
-        6 * (joints + self.rotations) + 2
+            .map_or(self.tree.dof as u64, ExactClosure::turns);
+        6 * (joints + self.steps) + 2
     }
 
     /// Fills `rows` (rows of a sample x C) at a random state. Rows of h are not yet
@@ -241,9 +252,11 @@ pub type ExactWorkspace<'m> = RowsWorkspace<Fp<'m>>;
 
 /// Literals as numbers of the field.
 pub(super) struct FieldNumbers<'m, 'd> {
-    angles: Angles<'m>,
+    angles: Angles<'m, 'd>,
     lengths: Lengths<'m, 'd>,
     half: Fp<'m>,
+    /// Lengths of axes whose root could be either.
+    lengths_of_axes: Vec<String>,
 }
 
 impl<'m> Numbers for FieldNumbers<'m, '_> {
@@ -259,7 +272,7 @@ impl<'m> Numbers for FieldNumbers<'m, '_> {
     }
 
     fn rotation(&mut self, angle: &Quantity) -> Result<Rotation<Fp<'m>>, NotInField> {
-        Ok(self.angles.rotation(angle, self.lengths.constants))
+        Ok(self.angles.rotation(angle))
     }
 
     fn value(&mut self, quantity: &Quantity) -> Result<Fp<'m>, NotInField> {
@@ -284,8 +297,7 @@ impl<'m> Numbers for FieldNumbers<'m, '_> {
         let root = match (x, y, z) {
             (Some(x), Some(y), Some(z)) => self.lengths.length(&(x + y + z), &self.angles)?,
             _ => {
-                self.angles
-                    .generic_texts
+                self.lengths_of_axes
                     .push("the length of an axis".to_owned());
                 squared.sqrt().ok_or(NotInField::Root)?
             }

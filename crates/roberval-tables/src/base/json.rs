@@ -3,14 +3,16 @@ use roberval_mechanism::Change;
 use serde_json::{Map, Value, json};
 
 use super::values;
+use crate::couples;
 use crate::json::pretty;
 use crate::robot;
 
 /// The answer for programs: `"schema": 1`, keys in this order.
 pub(crate) fn json(answer: &BaseParameters) -> String {
     let value = json!({
-        "schema": 1,
+        "schema": crate::SCHEMA,
         "robot": robot::json(&answer.mechanism),
+        "constraints": couples::json(&answer.mechanism),
         "model": answer.model.name(),
         "engine": answer.engine.name(),
         "choice": choice(&answer.choice),

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::described;
 use crate::json::pretty;
-use crate::robot;
+use crate::{couples, robot};
 
 /// The robot for programs; numbers as written stand beside their values.
 pub(crate) fn json(mechanism: &Mechanism) -> String {
@@ -35,6 +35,7 @@ pub(crate) fn json(mechanism: &Mechanism) -> String {
         },
         "constants": constants,
         "geometry": geometry,
+        "constraints": couples::json(mechanism),
         "parameters": robot::parameters(mechanism, &space),
         "inertia": inertia(mechanism),
         "warnings": description.warnings,
