@@ -1,9 +1,10 @@
 //! Mechanisms with loops given by their cut joints.
 
-use roberval_base::{BaseParameters, Engine, Options, base_parameters};
+use roberval_base::{BaseParameters, Engine, Options, Samples, base_parameters};
 use roberval_formats::parse_toml;
 use roberval_mechanism::{Mechanism, MechanismError};
-use roberval_regressor::Model;
+use roberval_regressor::{Model, Regressor, States};
+use roberval_scalar::SplitMix64;
 
 mod common {
     pub mod loop_robots;
@@ -199,11 +200,18 @@ fn loops_that_cannot_be_assembled_or_moved_are_refused_with_the_reason() {
     assert!(message.contains("cannot be assembled"), "{message}");
     assert!(message.contains("leaves a gap of 3"), "{message}");
     // A triangle: the coupler ends on the ground.
-    let rigid = four_bar(IN_PLANE).replace("between = [\"2\", \"3\"]", "between = [\"2\", \"base\"]");
+    let rigid =
+        four_bar(IN_PLANE).replace("between = [\"2\", \"3\"]", "between = [\"2\", \"base\"]");
     let rigid = rigid.replace("[0.7, 0, 0]", "[0.8, 0, 0]");
-    let rigid = rigid.replace("{ name = \"3\", antecedent = \"base\", alpha = 0, d = 1, r = 0, active = false },\n", "");
+    let rigid = rigid.replace(
+        "{ name = \"3\", antecedent = \"base\", alpha = 0, d = 1, r = 0, active = false },\n",
+        "",
+    );
     let message = refused(&rigid);
-    assert!(message.contains("leave no motion: 2 joints and 2 independent equations of 5"), "{message}");
+    assert!(
+        message.contains("leave no motion: 2 joints and 2 independent equations of 5"),
+        "{message}"
+    );
     // Stretched as far as it goes: closed, and immovable to second order.
     let stretched = four_bar(IN_PLANE).replace("d = 1,", "d = 1.9,");
     let message = refused(&stretched);
@@ -211,8 +219,97 @@ fn loops_that_cannot_be_assembled_or_moved_are_refused_with_the_reason() {
     // Out of plane: axes that are not parallel.
     let skew = four_bar(IN_PLANE).replace("alpha = 0, d = 0.3", "alpha = \"10 deg\", d = 0.3");
     let message = refused(&skew);
-    assert!(message.contains("cannot be assembled") || message.contains("no motion"), "{message}");
+    assert!(
+        message.contains("cannot be assembled") || message.contains("no motion"),
+        "{message}"
+    );
     let singular = parallelogram("near = { 1 = 0, 2 = 0, 3 = 0 }");
     let message = refused(&singular);
     assert!(message.contains("singular configuration"), "{message}");
+}
+
+/// Central differences over 1e-5 s: joints that move at 10 rad/s leave (1e-4)^2 of curvature
+/// and rounding 1e-10.
+const DIFFERENCE_ERROR: f64 = 1e-6;
+
+/// A part of the usual velocities.
+const SLOW: f64 = 0.02;
+
+#[test]
+fn the_power_of_the_independent_torques_is_the_rate_of_the_energy_of_the_whole_mechanism() {
+    let robots = [
+        four_bar(IN_PLANE),
+        waist_with_four_bar(),
+        spherical_four_bar(),
+        rssr(),
+        bennett(),
+        delta(),
+        stewart(),
+    ];
+    for text in robots {
+        let robot = mechanism(&text);
+        let regressor = Regressor::new(&robot);
+        let m = robot.independent();
+        let space = robot.parameters();
+        let mut random = SplitMix64::new(3);
+        // Friction-free: rotors are part of h as well.
+        let x: Vec<f64> = (0..space.len()).map(|_| random.uniform(0.0, 1.0)).collect();
+        let mut samples = Samples::draw(&robot, 6, 5).expect("samples");
+        // Slowly, so that differences over a short time are derivatives.
+        samples.qd.iter_mut().for_each(|x| *x *= SLOW);
+        samples.qdd.iter_mut().for_each(|x| *x *= SLOW * SLOW);
+        for k in 0..samples.count {
+            let part = |v: &[f64]| v[k * m..(k + 1) * m].to_vec();
+            let (q, qd, qdd) = (part(&samples.q), part(&samples.qd), part(&samples.qdd));
+            let at = |t: f64| -> [Vec<f64>; 2] {
+                let q = (0..m).map(|i| q[i] + t * qd[i] + 0.5 * t * t * qdd[i]);
+                [q.collect(), (0..m).map(|i| qd[i] + t * qdd[i]).collect()]
+            };
+            // All earlier samples lead here, so that the branch is kept.
+            let energy = |t: f64| {
+                let [end, rate] = at(t);
+                let row = last_row(&regressor, Model::H, &samples, k, [&end, &rate, &qdd]);
+                row.iter().zip(&x).map(|(h, x)| h * x).sum::<f64>()
+            };
+            let rows = last_row(&regressor, Model::D, &samples, k, [&q, &qd, &qdd]);
+            let torque = rows
+                .chunks_exact(space.len())
+                .map(|row| row.iter().zip(&x).map(|(d, x)| d * x).sum::<f64>());
+            let power: f64 = torque.zip(&qd).map(|(t, v)| t * v).sum();
+            let step = 1e-5;
+            let rate = (energy(step) - energy(-step)) / (2.0 * step);
+            let size = energy(0.0).abs() + rate.abs() + 1.0;
+            assert!(
+                (power - rate).abs() < DIFFERENCE_ERROR * size,
+                "{} sample {k}: {power} against {rate}",
+                robot.name
+            );
+        }
+    }
+}
+
+/// The rows at a state to which the samples before the k-th lead.
+fn last_row(
+    regressor: &Regressor,
+    model: Model,
+    samples: &Samples,
+    k: usize,
+    [q, qd, qdd]: [&[f64]; 3],
+) -> Vec<f64> {
+    let m = q.len();
+    let with = |before: &[f64], last: &[f64]| [&before[..(k + 1) * m], last].concat();
+    let all = [
+        with(&samples.q, q),
+        with(&samples.qd, qd),
+        with(&samples.qdd, qdd),
+    ];
+    let states = States {
+        q: &all[0],
+        qd: &all[1],
+        qdd: &all[2],
+    };
+    let size = model.rows(m) * regressor.parameters().len();
+    let mut rows = vec![0.0; (k + 2) * size];
+    regressor.fill(model, states, &mut rows).expect("closed");
+    rows.split_off((k + 1) * size)
 }
