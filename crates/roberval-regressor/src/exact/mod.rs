@@ -14,6 +14,7 @@ mod precise;
 mod units;
 
 pub use angles::AngleOrder;
+pub use closure::{CouplePowers, coupled};
 pub use geometry::RowsWorkspace;
 pub use model::{ExactModel, ExactWorkspace, NotInField};
 pub use precise::PreciseModel;
