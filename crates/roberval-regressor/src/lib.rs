@@ -22,7 +22,7 @@ pub use dynamics::{DynamicsWorkspace, dynamics};
 pub use energy::{EnergyWorkspace, energy};
 pub use exact::{
     AngleOrder, AngleParts, AngleUnit, AngleUnits, ExactModel, ExactWorkspace, NotInField,
-    PreciseModel, RowsWorkspace,
+    PreciseModel, RowsWorkspace, Turn, whole_multiple,
 };
 pub use motion::JointMotion;
 pub use newton_euler::{Shape, newton_euler};
