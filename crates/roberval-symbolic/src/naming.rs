@@ -219,8 +219,13 @@ fn places(robot: &mut RobotDescription) -> Vec<(Place, &mut Quantity)> {
     let gravity = robot.gravity.iter_mut().map(|q| (Place::Other, q));
     let links = robot.links.iter_mut();
     let of_links = links.flat_map(|link| geometry(&mut link.geometry));
+    let couples = robot.couples.iter_mut().flat_map(|couple| {
+        let multipliers = couple.terms.iter_mut().map(|term| &mut term.multiplier);
+        multipliers.chain([&mut couple.offset])
+    });
     gravity
         .chain(of_links.map(|(_, place, quantity)| (place, quantity)))
+        .chain(couples.map(|quantity| (Place::Other, quantity)))
         .collect()
 }
 

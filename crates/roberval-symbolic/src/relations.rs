@@ -119,7 +119,7 @@ pub fn symbolic_relations(
         mechanism: Mechanism::new(&named.description)?,
         model: options.model,
         order: order.unwrap_or_else(|| (0..columns).collect()),
-        angles: AngleOrder::of(&mechanism.description),
+        angles: AngleOrder::of(mechanism),
     };
     let mut random = SplitMix64::new(options.seed);
     let modulus = oracle.modulus(&mut random);

@@ -8,10 +8,9 @@ use super::html::{figure, short, text};
 use crate::number::shortest;
 use crate::relation::Label;
 
-/// Side of a cell and room for labels, in pixels.
+/// Side of a cell and about the width of a label's letter, in pixels.
 const CELL: usize = 15;
-const LEFT: usize = 112;
-const TOP: usize = 104;
+const LETTER: usize = 6;
 
 /// Longer labels are cut.
 const LONGEST: usize = 15;
@@ -55,51 +54,62 @@ fn map(answer: &BaseParameters) -> String {
         .into_iter()
         .filter(|r| !r.terms.is_empty())
         .collect();
-    let (rows, columns) = (relations.len(), answer.regrouped.len());
-    let (width, height) = (LEFT + columns * CELL + 10, TOP + rows * CELL + 10);
+    let sums: Vec<String> = relations
+        .iter()
+        .map(|r| Label::of_base(answer, r.base).text())
+        .collect();
+    let others: Vec<String> = answer
+        .regrouped
+        .iter()
+        .map(|&c| Label::of(answer, c).text())
+        .collect();
+    let room = |labels: &[String]| {
+        let lengths = labels.iter().map(|l| l.chars().count().min(LONGEST));
+        lengths.max().unwrap_or(0) * LETTER + 14
+    };
+    let [left, top] = [room(&sums), room(&others)];
+    let (width, height) = (
+        left + others.len() * CELL + 10,
+        top + sums.len() * CELL + 10,
+    );
     let mut svg = format!(
         "<svg class=\"wide\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\
-         <rect class=\"back\" x=\"{LEFT}\" y=\"{TOP}\" width=\"{}\" height=\"{}\"/>",
-        columns * CELL,
-        rows * CELL
+         <rect class=\"back\" x=\"{left}\" y=\"{top}\" width=\"{}\" height=\"{}\"/>",
+        others.len() * CELL,
+        sums.len() * CELL
     );
-    separators(
-        answer,
-        &relations.iter().map(|r| r.base).collect::<Vec<_>>(),
-        &mut svg,
-    );
-    let mut place = vec![0; answer.parameters.len()];
-    for (j, &column) in answer.regrouped.iter().enumerate() {
-        place[column] = j;
-        let x = LEFT + j * CELL + 11;
-        let label = text(&short(&Label::of(answer, column).text(), LONGEST));
+    let bases: Vec<usize> = relations.iter().map(|r| r.base).collect();
+    separators(answer, &bases, [left, top], &mut svg);
+    for (j, label) in others.iter().enumerate() {
         // Writing to a string does not fail.
         let _ = write!(
             svg,
-            "<text class=\"tiny\" transform=\"translate({x} {}) rotate(-90)\">{label}</text>",
-            TOP - 5
+            "<text class=\"tiny\" transform=\"translate({} {}) rotate(-90)\">{}</text>",
+            left + j * CELL + 11,
+            top - 5,
+            text(&short(label, LONGEST))
         );
     }
-    for (i, relation) in relations.iter().enumerate() {
-        let y = TOP + i * CELL;
-        let sum = Label::of_base(answer, relation.base).text();
+    for (i, sum) in sums.iter().enumerate() {
         let _ = write!(
             svg,
             "<text class=\"tiny\" text-anchor=\"end\" x=\"{}\" y=\"{}\">{}</text>",
-            LEFT - 6,
-            y + 11,
-            text(&short(&sum, LONGEST))
+            left - 6,
+            top + i * CELL + 11,
+            text(&short(sum, LONGEST))
         );
-        let sum = text(&sum);
-        for &(column, coefficient) in &relation.terms {
+        let place = |c: &usize| answer.regrouped.partition_point(|r| r < c);
+        for (column, coefficient) in &relations[i].terms {
+            let j = place(column);
             let _ = write!(
                 svg,
-                "<rect class=\"h m {}\" x=\"{}\" y=\"{}\"><title>{sum} takes up {} {}</title></rect>",
-                level(coefficient),
-                LEFT + place[column] * CELL + 1,
-                y + 1,
-                shortest(coefficient),
-                text(&Label::of(answer, column).text()),
+                "<rect class=\"h m {}\" x=\"{}\" y=\"{}\"><title>{} takes up {} {}</title></rect>",
+                level(*coefficient),
+                left + j * CELL + 1,
+                top + i * CELL + 1,
+                text(sum),
+                shortest(*coefficient),
+                text(&others[j]),
             );
         }
     }
@@ -107,7 +117,7 @@ fn map(answer: &BaseParameters) -> String {
 }
 
 /// Lines between the links' blocks.
-fn separators(answer: &BaseParameters, bases: &[usize], svg: &mut String) {
+fn separators(answer: &BaseParameters, bases: &[usize], [left, top]: [usize; 2], svg: &mut String) {
     let ids = answer.parameters.ids();
     let cuts = |columns: &[usize]| -> Vec<usize> {
         let pairs = columns.windows(2).enumerate();
@@ -120,15 +130,15 @@ fn separators(answer: &BaseParameters, bases: &[usize], svg: &mut String) {
     for x in cuts(&answer.regrouped) {
         let _ = write!(
             svg,
-            "<path class=\"sep\" d=\"M{},{TOP}v{height}\"/>",
-            LEFT + x
+            "<path class=\"sep\" d=\"M{},{top}v{height}\"/>",
+            left + x
         );
     }
     for y in cuts(bases) {
         let _ = write!(
             svg,
-            "<path class=\"sep\" d=\"M{LEFT},{}h{width}\"/>",
-            TOP + y
+            "<path class=\"sep\" d=\"M{left},{}h{width}\"/>",
+            top + y
         );
     }
 }

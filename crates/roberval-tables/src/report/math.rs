@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use roberval_base::{BaseParameters, ExactNumber};
+use roberval_mechanism::ParameterKind;
 
 use super::html::text;
 use crate::escape::plain;
@@ -44,7 +45,10 @@ fn relation(exact: &Coefficients<'_>, sum: &Sum) -> String {
         };
         let factor = match group.coefficient.abs() {
             1.0 => String::new(),
-            x => coefficient(exact.get(sum, &group.members[0]), x),
+            x => {
+                let number = coefficient(exact.get(sum, &group.members[0]), x);
+                number + "<mspace width=\"0.17em\"/>"
+            }
         };
         let last = group.members.len() - 1;
         for (i, member) in group.members.iter().enumerate() {
@@ -72,8 +76,13 @@ fn math(content: &str) -> String {
 /// ZZR with the link's name below.
 fn label(label: &Label) -> String {
     let r = if label.regrouped { "R" } else { "" };
+    // A lone letter would stand in italics.
+    let upright = match (label.kind, label.regrouped) {
+        (ParameterKind::M, false) => " mathvariant=\"normal\"",
+        _ => "",
+    };
     format!(
-        "<msub><mi>{}{r}</mi><mtext>{}</mtext></msub>",
+        "<msub><mi{upright}>{}{r}</mi><mtext>{}</mtext></msub>",
         label.kind,
         text(&plain(&label.link))
     )

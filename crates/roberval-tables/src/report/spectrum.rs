@@ -9,7 +9,7 @@ use crate::number::{scientific, size};
 
 const WIDTH: f64 = 720.0;
 const HEIGHT: f64 = 300.0;
-const LEFT: f64 = 58.0;
+const LEFT: f64 = 74.0;
 const BOTTOM: f64 = 262.0;
 const TOP: f64 = 16.0;
 const RIGHT: f64 = 706.0;

@@ -35,8 +35,9 @@ impl Camera {
         let side = up.cross(&start);
         let mut points = origins.to_vec();
         points.push(Vector3::zeros());
-        let cameras = (-5..=6).map(|step| {
-            let azimuth = f64::from(step) * std::f64::consts::PI / 6.0 - 0.6;
+        // Never along an axis of the base frame.
+        let cameras = (-6..6).map(|step| {
+            let azimuth = (f64::from(step) + 0.5) * std::f64::consts::PI / 6.0;
             let level = start * azimuth.cos() + side * azimuth.sin();
             let towards = level * ELEVATION.cos() + up * ELEVATION.sin();
             let right = up.cross(&towards).normalize();
