@@ -7,6 +7,7 @@
 //! * [`ParameterSpace`]: the one place that knows the order of the parameters.
 
 mod clean;
+mod conventions;
 mod description;
 mod mechanism;
 mod order;
@@ -17,6 +18,7 @@ mod placement;
 pub use clean::{
     Change, CleanMode, CleanPolicy, Cleaned, Field, NearMiss, Unit, apply, clean, revert,
 };
+pub use conventions::{Central, Convention};
 pub use description::{
     Geometry, JointKind, LinkDescription, MdhGeometry, Mimic, Origin, RobotDescription,
     SourceFormat, TreeError, find_cycle,

@@ -57,17 +57,36 @@ pub(super) fn description(
             inertia,
         ));
     }
-    let down = Quantity::parse_decimal("-9.81").unwrap_or_else(|_| Quantity::zero());
+    let warnings = warnings(links, joints, tree, &described);
     let mut robot = RobotDescription {
-        name,
-        gravity: [Quantity::zero(), Quantity::zero(), down],
-        constants: Vec::new(),
-        warnings: warnings(links, joints, tree, &described),
-        links: described,
-        format: SourceFormat::Urdf,
+        warnings,
+        ..robot(name, described)
     };
     robot.warnings.extend(suspects::degrees(&robot));
     Ok(robot)
+}
+
+fn robot(name: String, links: Vec<LinkDescription>) -> RobotDescription {
+    let down = Quantity::parse_decimal("-9.81").unwrap_or_else(|_| Quantity::zero());
+    RobotDescription {
+        name,
+        gravity: [Quantity::zero(), Quantity::zero(), down],
+        constants: Vec::new(),
+        links,
+        format: SourceFormat::Urdf,
+        warnings: Vec::new(),
+    }
+}
+
+/// The numbers of joints without the tree they form, to look at one by one.
+pub(crate) fn of_joints<'a>(
+    pairs: impl Iterator<Item = (&'a Link, &'a Joint)>,
+) -> RobotDescription {
+    let link = |(link, joint): (&Link, &Joint)| {
+        let origins = vec![joint.origin.clone()];
+        link_description(link, joint, None, origins, Default::default())
+    };
+    robot(String::new(), pairs.map(link).collect())
 }
 
 /// The link into which a link is lumped (`None`: the base), and the fixed joints on the
@@ -203,7 +222,7 @@ fn warnings(
     warnings
 }
 
-fn is_unit(axis: &[Quantity; 3]) -> bool {
+pub(crate) fn is_unit(axis: &[Quantity; 3]) -> bool {
     /// Decimals such as 0.707107 are rounded directions, not worth a word.
     const ROUNDING: f64 = 1e-5;
     let square: f64 = axis.iter().map(|x| x.value * x.value).sum();

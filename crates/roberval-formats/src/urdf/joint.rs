@@ -7,7 +7,7 @@ use crate::error::{Code, FormatError};
 use crate::words::{nearest, quoted};
 
 /// A `<joint>` with its numbers as written.
-pub(super) struct Joint {
+pub(crate) struct Joint {
     pub name: String,
     pub offset: usize,
     pub kind: JointKind,
@@ -40,6 +40,14 @@ impl Joint {
             limits: if limited { limits(element)? } else { None },
             mimic: if moving { mimic(element)? } else { None },
         })
+    }
+}
+
+impl Joint {
+    /// The joint that this one copies, and the multiplier.
+    pub fn copies(&self) -> Option<(&str, f64)> {
+        let mimic = self.mimic.as_ref()?;
+        Some((&mimic.joint, mimic.multiplier.value))
     }
 }
 
