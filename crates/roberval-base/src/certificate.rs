@@ -120,7 +120,7 @@ pub fn certificate_text(certificate: &Value) -> String {
 fn robot(mechanism: &Mechanism) -> Result<Value, CertificateError> {
     let description = &mechanism.description;
     let constants = description.constants.as_slice();
-    let units = AngleUnits::of(description, AngleOrder::of(description));
+    let units = AngleUnits::of(mechanism, AngleOrder::of(mechanism));
     let links: Vec<Value> = mechanism
         .links
         .iter()

@@ -1,10 +1,10 @@
 use std::f64::consts::PI;
 
-use roberval_mechanism::{JointKind, Mechanism};
+use roberval_mechanism::{JointKind, Mechanism, VariableLaw};
 use roberval_regressor::States;
 use roberval_scalar::SplitMix64;
 
-/// Random joint states: N samples of n joints, row-major.
+/// Random joint states: N samples of the m independent joints, row-major.
 ///
 /// Revolute joints turn anywhere; prismatic ones move by the robot's own length L, and
 /// time runs in units of sqrt(L/g), so that weights and inertia forces are comparable
@@ -68,7 +68,8 @@ impl Samples {
     }
 }
 
-/// The largest (q, qd, qdd) drawn for each joint.
+/// The largest (q, qd, qdd) drawn for each independent joint: none that it moves along
+/// goes much farther than it would by itself.
 pub(crate) fn reaches(mechanism: &Mechanism) -> Vec<[f64; 3]> {
     let length = mechanism.characteristic_length();
     let gravity = mechanism.gravity.norm();
@@ -81,5 +82,20 @@ pub(crate) fn reaches(mechanism: &Mechanism) -> Vec<[f64; 3]> {
         JointKind::Prismatic => [length, rate * length, rate * rate * length],
         JointKind::Revolute | JointKind::Fixed => [PI, rate, rate * rate],
     };
-    mechanism.moving().map(|link| reach(link.joint)).collect()
+    let joints = mechanism.independent_joints();
+    let mut reaches: Vec<_> = joints.iter().map(|link| reach(link.joint)).collect();
+    let laws = mechanism.closure.iter().flat_map(|c| &c.laws);
+    let mut slow = vec![1.0_f64; reaches.len()];
+    for (link, law) in mechanism.moving().zip(laws) {
+        if let VariableLaw::Affine(law) = law {
+            for (place, multiplier) in &law.terms {
+                let moved = multiplier.value.abs() * reaches[*place][0] / reach(link.joint)[0];
+                slow[*place] = slow[*place].max(moved);
+            }
+        }
+    }
+    for (reach, slow) in reaches.iter_mut().zip(slow) {
+        reach.iter_mut().for_each(|x| *x /= slow);
+    }
+    reaches
 }

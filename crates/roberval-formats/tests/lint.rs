@@ -146,7 +146,10 @@ inertia = { XX = 3, XY = 0, XZ = 0, YY = 1, YZ = 0, ZZ = 1, MX = 0, MY = 0, MZ =
     let expected = [(1, "dust"), (3, "rounded-angle"), (7, "inertia")];
     let expected = expected.map(|(line, rule)| (line, rule.to_owned()));
     assert_eq!(summary(&found), expected);
-    let found = findings("wrong.toml", "[[link]]\nalpha = 0\nd = 0\ntheta = 0\nr = 0\nq = 0\n");
+    let found = findings(
+        "wrong.toml",
+        "[[link]]\nalpha = 0\nd = 0\ntheta = 0\nr = 0\nq = 0\n",
+    );
     assert_eq!(summary(&found), [(6, "E130".to_owned())]);
 }
 

@@ -259,7 +259,6 @@ fn link(number: usize) -> impl Strategy<Value = LinkDescription> {
                 geometry: Geometry::Mdh(Box::new(geometry)),
                 inertia,
                 limits: None,
-                mimic: None,
             }
         },
     )
@@ -281,6 +280,7 @@ fn robot() -> impl Strategy<Value = RobotDescription> {
             gravity: ["0", "-L", "9.810"].map(|t| Quantity::parse_number(t, &constants()).unwrap()),
             constants: constants(),
             links,
+            couples: Vec::new(),
             format: SourceFormat::Mdh,
             warnings: Vec::new(),
         }

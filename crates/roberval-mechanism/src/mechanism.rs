@@ -3,7 +3,9 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::clean::{CleanPolicy, Cleaned, clean};
-use crate::{JointKind, ParameterSpace, RobotDescription, TreeError, order, placement};
+use crate::{
+    Closure, CoupleError, JointKind, ParameterSpace, RobotDescription, TreeError, order, placement,
+};
 
 /// A valid robot with numbers: a chain or tree of links, each after its antecedent.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +16,9 @@ pub struct Mechanism {
     pub gravity: Vector3<f64>,
     /// The links in parameter order; a link's antecedent has a smaller index.
     pub links: Vec<Link>,
+    /// How all joint variables follow from the independent ones; `None` where all are
+    /// independent.
+    pub closure: Option<Closure>,
     /// What the numbers were made from: the exact engine reads the literals there.
     pub description: Arc<RobotDescription>,
     /// What was set right before, and the description as it was written; `None` for a
@@ -78,6 +83,9 @@ pub enum MechanismError {
     /// The links do not form a tree on the base.
     #[error(transparent)]
     Tree(#[from] TreeError),
+    /// A couple that cannot be.
+    #[error(transparent)]
+    Couple(#[from] CoupleError),
     /// A number that must be finite is not.
     #[error("link \"{link}\": {field} is {value}, which is not a finite number")]
     NotFinite {
@@ -142,10 +150,12 @@ impl Mechanism {
                 placement::link(&description.links[in_file], in_file, antecedent)
             })
             .collect::<Result<Vec<_>, _>>()?;
+        let closure = Closure::of(description, &order)?;
         let mechanism = Self {
             name: description.name.clone(),
             gravity,
             links,
+            closure,
             description: Arc::new(description.clone()),
             cleaning: None,
         };
@@ -157,7 +167,7 @@ impl Mechanism {
         Ok(mechanism)
     }
 
-    /// Number of joint variables n (fixed joints have none).
+    /// Number of joint variables n of the tree (fixed joints have none).
     #[must_use]
     pub fn dof(&self) -> usize {
         self.moving().count()
@@ -166,6 +176,23 @@ impl Mechanism {
     /// The links with a joint variable, in the order of the variables.
     pub fn moving(&self) -> impl Iterator<Item = &Link> {
         self.links.iter().filter(|l| l.joint != JointKind::Fixed)
+    }
+
+    /// Number of independent joint variables m: those that determine all n.
+    #[must_use]
+    pub fn independent(&self) -> usize {
+        let all = |c: &Closure| c.independent.len();
+        self.closure.as_ref().map_or_else(|| self.dof(), all)
+    }
+
+    /// The links whose joints are independent, in the order of the states and torques.
+    #[must_use]
+    pub fn independent_joints(&self) -> Vec<&Link> {
+        let moving: Vec<&Link> = self.moving().collect();
+        match &self.closure {
+            None => moving,
+            Some(closure) => closure.independent.iter().map(|&v| moving[v]).collect(),
+        }
     }
 
     /// The standard parameters as columns.

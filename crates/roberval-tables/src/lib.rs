@@ -8,6 +8,7 @@
 mod base;
 mod catalogue;
 mod compare;
+mod couples;
 mod document;
 mod escape;
 mod json;

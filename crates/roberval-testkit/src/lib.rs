@@ -66,6 +66,7 @@ impl Family {
             gravity: gravity(&mut random),
             constants: Vec::new(),
             links,
+            couples: Vec::new(),
             format: self.format,
             warnings: Vec::new(),
         }
@@ -93,7 +94,6 @@ impl Family {
             geometry: self.geometry(j, random),
             inertia: std::array::from_fn(|_| Some(decimal(random.below(2000) as i64 - 1000, -3))),
             limits: None,
-            mimic: None,
         }
     }
 

@@ -1,7 +1,7 @@
 //! Two fields, one answer.
 
 use roberval_mechanism::Mechanism;
-use roberval_regressor::{AngleOrder, Model, NotInField};
+use roberval_regressor::{AngleOrder, Model, NoValue, NotInField};
 
 use super::coefficients::coefficients;
 use super::number::ExactNumber;
@@ -54,6 +54,9 @@ pub enum ExactError {
     /// A number of the robot has no place in any of many fields.
     #[error("{0}; give it as a decimal number instead")]
     NotInField(#[from] NotInField),
+    /// The constraints have no value at a random state.
+    #[error(transparent)]
+    NoValue(#[from] NoValue),
     /// Fields disagree again and again.
     #[error("prime fields disagree about the rank ({ranks:?}): please report this robot")]
     Disagreement {
@@ -73,7 +76,7 @@ pub fn decide_exactly(
     order: &[usize],
     seed: u64,
 ) -> Result<ExactDecision, ExactError> {
-    let angles = AngleOrder::of(&mechanism.description);
+    let angles = AngleOrder::of(mechanism);
     let field = |k: u64| {
         run(
             mechanism,
@@ -123,7 +126,7 @@ pub(crate) fn structural_rank(
     model: Model,
     seed: u64,
 ) -> Result<usize, ExactError> {
-    let angles = AngleOrder::of(&mechanism.description);
+    let angles = AngleOrder::of(mechanism);
     let order: Vec<usize> = (0..mechanism.parameters().len()).collect();
     let rank = |seed: u64| run(mechanism, model, &order, angles, seed, 1).map(|r| r.kept.len());
     Ok(rank(seed)?.max(rank(seed.wrapping_add(1))?))

@@ -68,7 +68,7 @@ fn eliminate<'m>(
         exact,
         work: exact.workspace(),
         model,
-        values: vec![zero; model.rows(mechanism.dof()) * space.len()],
+        values: vec![zero; model.rows(mechanism.independent()) * space.len()],
         reference: None,
     };
     let mut echelon = Echelon::new(modulus, order.len());

@@ -32,6 +32,13 @@ const NUMBERS: [(&[&str], &[&str], usize); 8] = [
 pub(super) fn findings(text: &str, name: &str) -> Result<Vec<Finding>, FormatError> {
     let source = Source::new(name, text)?;
     let mut findings = with_robot(&source, |robot| Ok(elements(robot)))?;
+    for (position, what) in source.warnings.take() {
+        let remedy = "this program reads over it, others may not";
+        push(
+            &mut findings,
+            Finding::new(Rule::Remark, name, what, remedy).at(position),
+        );
+    }
     // What only the whole robot shows: the tree, circles of mimic joints.
     if let Err(error) = parse_urdf(text, name, UrdfOptions::default()) {
         push(&mut findings, Finding::refused(error));

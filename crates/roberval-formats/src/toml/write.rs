@@ -1,7 +1,8 @@
 use std::fmt::Write;
 
 use roberval_mechanism::{
-    Geometry, JointKind, LinkDescription, ParameterKind, RobotDescription, SourceFormat,
+    Couple, Geometry, JointKind, LinkDescription, ParameterKind, RobotDescription, SourceFormat,
+    Term,
 };
 use roberval_scalar::Quantity;
 use toml_edit::Value;
@@ -16,7 +17,7 @@ use crate::words::quoted;
 /// # Errors
 /// When the description is no modified Denavit-Hartenberg description (a URDF robot has
 /// frames that its parameters cannot hold), or has what the form cannot hold (joint
-/// names, limits, mimic joints).
+/// names, limits).
 pub fn to_toml(robot: &RobotDescription) -> Result<String, FormatError> {
     let refuse = |what: String| FormatError::new(Code::NotWritable, robot.name.as_str(), what);
     if robot.format != SourceFormat::Mdh {
@@ -30,7 +31,11 @@ pub fn to_toml(robot: &RobotDescription) -> Result<String, FormatError> {
     let mut text = String::new();
     head(&mut text, robot);
     for description in &robot.links {
-        link(&mut text, description).map_err(refuse)?;
+        let dependent = robot.couples.iter().any(|c| c.joint == description.name);
+        link(&mut text, description, dependent).map_err(refuse)?;
+    }
+    for description in &robot.couples {
+        couple(&mut text, description);
     }
     Ok(text)
 }
@@ -47,16 +52,16 @@ fn head(text: &mut String, robot: &RobotDescription) {
     }
 }
 
-fn link(text: &mut String, link: &LinkDescription) -> Result<(), String> {
+fn link(text: &mut String, link: &LinkDescription, dependent: bool) -> Result<(), String> {
     let Geometry::Mdh(geometry) = &link.geometry else {
         return Err(format!(
             "link {} has no modified Denavit-Hartenberg parameters",
             quoted(&link.name)
         ));
     };
-    if link.joint_name.is_some() || link.limits.is_some() || link.mimic.is_some() {
+    if link.joint_name.is_some() || link.limits.is_some() {
         return Err(format!(
-            "link {}: robot TOML has no joint names, limits or mimic joints",
+            "link {}: robot TOML has no joint names or limits",
             quoted(&link.name)
         ));
     }
@@ -70,7 +75,7 @@ fn link(text: &mut String, link: &LinkDescription) -> Result<(), String> {
         JointKind::Fixed => ("fixed", false),
     };
     line(text, "joint", &string(joint));
-    if link.active != moving {
+    if link.active != (moving && !dependent) {
         line(text, "active", &link.active.to_string());
     }
     if link.rotor != (link.active && moving) {
@@ -99,6 +104,15 @@ fn inertia(text: &mut String, link: &LinkDescription) {
     if !entries.is_empty() {
         line(text, "inertia", &format!("{{ {} }}", entries.join(", ")));
     }
+}
+
+fn couple(text: &mut String, couple: &Couple) {
+    let term = |t: &Term| format!("{} = {}", string(&t.joint), number(&t.multiplier));
+    let terms: Vec<String> = couple.terms.iter().map(term).collect();
+    text.push_str("\n[[couple]]\n");
+    line(text, "joint", &string(&couple.joint));
+    line(text, "equals", &format!("{{ {} }}", terms.join(", ")));
+    line(text, "offset", &number(&couple.offset));
 }
 
 fn line(text: &mut String, key: &str, value: &str) {

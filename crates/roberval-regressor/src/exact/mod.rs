@@ -6,6 +6,7 @@
 //! many digits for that, the answer is that of a robot with generic angles, and says so.
 
 mod angles;
+mod closure;
 mod geometry;
 mod lengths;
 mod model;

@@ -2,6 +2,7 @@ use roberval_base::{BaseParameters, Engine};
 use roberval_mechanism::ParameterKind;
 
 use super::{Class, rounded_values};
+use crate::couples;
 use crate::document::{Block, Column, Document, Item, Table, Tint};
 use crate::number::{scientific, shortest, size};
 use crate::relation::{self, Label};
@@ -49,7 +50,9 @@ fn head(answer: &BaseParameters) -> Document {
             tally.base, tally.unchanged, tally.regrouped_into, tally.regrouped
         ),
     ];
+    lines.extend(couples::lines(&answer.mechanism));
     lines.extend(certainty(answer));
+    lines.extend(couples::removed(answer));
     let word = if diagnosis.clear { "note" } else { "doubt" };
     lines.extend(diagnosis.messages.iter().map(|m| format!("{word}: {m}")));
     vec![
@@ -84,11 +87,13 @@ fn certainty(answer: &BaseParameters) -> Vec<String> {
             structure.primes.len(),
             size(structure.failure_probability)
         ),
-        format!(
-            "Nullspace algorithm {}; in floats: {}",
-            structure.nullspace_rank,
-            witnesses.join(", ")
-        ),
+        match structure.nullspace_rank {
+            Some(rank) => format!(
+                "Nullspace algorithm {rank}; in floats: {}",
+                witnesses.join(", ")
+            ),
+            None => format!("In floats: {}", witnesses.join(", ")),
+        },
     ]
     .into_iter()
     .chain(cleaning(answer))

@@ -3,6 +3,7 @@
 use roberval_base::BaseParameters;
 
 use super::html::{list, text};
+use crate::couples;
 use crate::number::size;
 
 pub(super) fn section(answer: &BaseParameters) -> String {
@@ -36,10 +37,13 @@ fn decided(answer: &BaseParameters) -> Vec<String> {
             structure.primes.len(),
             size(structure.failure_probability)
         ));
-        lines.push(format!(
-            "The parameter nullspace algorithm, which shares no code with the regressor, counts {}.",
-            structure.nullspace_rank
-        ));
+        lines.extend(structure.nullspace_rank.map(|rank| {
+            format!(
+                "The parameter nullspace algorithm, which shares no code with the regressor, counts {rank}."
+            )
+        }));
+        lines.extend(couples::lines(&answer.mechanism));
+        lines.extend(couples::removed(answer));
     }
     for witness in &diagnosis.witnesses {
         let gap = witness.gap_at_structural.map_or("none".to_owned(), size);
