@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use roberval_mechanism::{Assembly, JointKind, Mechanism, VariableLaw, Walk};
-use roberval_regressor::States;
+use roberval_regressor::{CouplePowers, States};
 use roberval_scalar::SplitMix64;
 
 /// Configurations drawn for one sample before a mechanism counts as immovable.
@@ -138,8 +138,12 @@ fn is_same(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6)
 }
 
-/// The largest (q, qd, qdd) drawn for each independent joint: none that it moves along
-/// goes much farther than it would by itself.
+/// A joint that others follow at half its angle is drawn over two turns, and so on up to
+/// here: then all of them turn anywhere.
+const MOST_TURNS: i64 = 60;
+
+/// The largest (q, qd, qdd) drawn for each independent joint: those that follow it are not
+/// much faster, and slides go not much farther, than they would by themselves.
 pub(crate) fn reaches(mechanism: &Mechanism) -> Vec<[f64; 3]> {
     let length = mechanism.characteristic_length();
     let gravity = mechanism.gravity.norm();
@@ -155,17 +159,30 @@ pub(crate) fn reaches(mechanism: &Mechanism) -> Vec<[f64; 3]> {
     let joints = mechanism.independent_joints();
     let mut reaches: Vec<_> = joints.iter().map(|link| reach(link.joint)).collect();
     let laws = mechanism.closure.iter().flat_map(|c| &c.laws);
-    let mut slow = vec![1.0_f64; reaches.len()];
+    let roots = CouplePowers::of(mechanism).map_or_else(Vec::new, |p| p.roots);
+    let mut slow = vec![[1.0_f64; 2]; reaches.len()];
+    for ((reach, root), link) in reaches.iter_mut().zip(roots).zip(&joints) {
+        if link.joint == JointKind::Revolute {
+            reach[0] *= root.min(MOST_TURNS) as f64;
+        }
+    }
     for (link, law) in mechanism.moving().zip(laws) {
         if let VariableLaw::Affine(law) = law {
             for (place, multiplier) in &law.terms {
-                let moved = multiplier.value.abs() * reaches[*place][0] / reach(link.joint)[0];
-                slow[*place] = slow[*place].max(moved);
+                let faster = multiplier.value.abs() * reaches[*place][1] / reach(link.joint)[1];
+                let [far, fast] = &mut slow[*place];
+                *fast = fast.max(faster);
+                if link.joint == JointKind::Prismatic {
+                    let farther = multiplier.value.abs() * reaches[*place][0];
+                    *far = far.max(farther / reach(link.joint)[0]);
+                }
             }
         }
     }
-    for (reach, slow) in reaches.iter_mut().zip(slow) {
-        reach.iter_mut().for_each(|x| *x /= slow);
+    for (reach, [far, fast]) in reaches.iter_mut().zip(slow) {
+        reach[0] /= far;
+        reach[1] /= fast;
+        reach[2] /= fast;
     }
     reaches
 }
