@@ -14,6 +14,7 @@ mod escape;
 mod json;
 mod latex;
 mod lint;
+mod loops;
 mod markdown;
 mod number;
 mod orders;
