@@ -25,6 +25,11 @@ pub enum CodeError {
     /// Friction was asked of something else than tau.
     #[error("friction is a part of tau only, not of {}", .0.name())]
     Friction(What),
+    /// Joints follow from loops, which are closed by iteration.
+    #[error(
+        "straight-line code closes no loops: give the joints' dependence as couples, or open the loops"
+    )]
+    Loops,
 }
 
 /// Straight-line code of one model of a robot.
@@ -55,6 +60,9 @@ impl Code {
         let what = request.what;
         if request.friction && what != What::Tau {
             return Err(CodeError::Friction(what));
+        }
+        if !mechanism.description.loops.is_empty() {
+            return Err(CodeError::Loops);
         }
         let program = record(mechanism, what, request.columns, request.friction);
         let (prepare, main) = match program.divided() {

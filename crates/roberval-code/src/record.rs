@@ -361,6 +361,7 @@ fn laws(mechanism: &Mechanism) -> Vec<(Vec<(usize, f64)>, f64)> {
             let terms = law.terms.iter().map(|(place, g)| (*place, g.value));
             (terms.collect(), law.offset.value)
         }
+        VariableLaw::Implicit => unreachable!("code of loops is refused"),
     };
     closure.laws.iter().map(law).collect()
 }

@@ -281,6 +281,7 @@ fn robot() -> impl Strategy<Value = RobotDescription> {
             constants: constants(),
             links,
             couples: Vec::new(),
+            loops: Vec::new(),
             format: SourceFormat::Mdh,
             warnings: Vec::new(),
         }

@@ -22,6 +22,9 @@ const FIELDS: usize = 2;
 /// An angle that stands in many places is taken to enter with this degree at most.
 const HIGHEST_ANGLE_DEGREE: usize = 6;
 
+/// An entry of beta: its row and column, and what it is.
+type Entry = ((usize, usize), Polynomial);
+
 /// How relations are found in symbols.
 #[derive(Debug, Clone, Default)]
 pub struct SymbolicOptions {
@@ -317,7 +320,7 @@ impl<'a, 'm> Samples<'a, 'm> {
         entries: &[(usize, usize)],
         denominator: &Monomial,
         random: &mut SplitMix64,
-    ) -> Result<Vec<((usize, usize), Polynomial)>, NotInField> {
+    ) -> Result<Vec<Entry>, NotInField> {
         let Some(monomials) = shape.monomials(denominator.len()) else {
             return Ok(Vec::new());
         };
