@@ -5,7 +5,7 @@ use roberval_mechanism::{
     Term,
 };
 use roberval_scalar::Quantity;
-use toml_edit::Value;
+use toml_edit::{Key, Value};
 
 use super::BASE;
 use crate::error::{Code, FormatError};
@@ -107,7 +107,8 @@ fn inertia(text: &mut String, link: &LinkDescription) {
 }
 
 fn couple(text: &mut String, couple: &Couple) {
-    let term = |t: &Term| format!("{} = {}", string(&t.joint), number(&t.multiplier));
+    let key = |name: &str| Key::new(name).to_string();
+    let term = |t: &Term| format!("{} = {}", key(&t.joint), number(&t.multiplier));
     let terms: Vec<String> = couple.terms.iter().map(term).collect();
     text.push_str("\n[[couple]]\n");
     line(text, "joint", &string(&couple.joint));
