@@ -146,7 +146,8 @@ fn inertia(text: &mut String, link: &LinkDescription) {
 }
 
 fn couple(text: &mut String, couple: &Couple) {
-    let term = |t: &Term| format!("{} = {}", string(&t.joint), number(&t.multiplier));
+    let key = |name: &str| Key::new(name).to_string();
+    let term = |t: &Term| format!("{} = {}", key(&t.joint), number(&t.multiplier));
     let terms: Vec<String> = couple.terms.iter().map(term).collect();
     text.push_str("\n[[couple]]\n");
     line(text, "joint", &string(&couple.joint));
