@@ -7,6 +7,10 @@ use roberval_scalar::SplitMix64;
 /// Configurations drawn for one sample before a mechanism counts as immovable.
 const MOST_REDRAWN: usize = 200;
 
+/// Loops stand in at least so many configurations (or one for three parameters); more
+/// samples than that differ in their velocities and accelerations.
+const FEWEST_CONFIGURATIONS: usize = 64;
+
 /// Random joint states: N samples of the m independent joints, row-major.
 ///
 /// Revolute joints turn anywhere; prismatic ones move by the robot's own length L, and
@@ -56,17 +60,23 @@ impl Samples {
             samples.push(&reaches, &state);
         }
         if let Some(assembly) = &mechanism.assembly {
-            samples.close(assembly, seed)?;
+            let configurations = FEWEST_CONFIGURATIONS.max(mechanism.parameters().len() / 3);
+            samples.close(assembly, count.div_ceil(configurations), seed)?;
         }
         Ok(samples)
     }
 
-    /// Replaces the positions by those of closed configurations.
-    fn close(&mut self, assembly: &Assembly, seed: u64) -> Result<(), SampleError> {
+    /// Replaces the positions by those of closed configurations, each used for `each`
+    /// samples.
+    fn close(&mut self, assembly: &Assembly, each: usize, seed: u64) -> Result<(), SampleError> {
         let mut walk = Walk::new(assembly, seed);
         let mut last = assembly.start.clone();
         self.q.clear();
         for found in 0..self.count {
+            if found % each > 0 {
+                self.q.extend(assembly.independent.iter().map(|&k| last[k]));
+                continue;
+            }
             let next = (0..MOST_REDRAWN).find_map(|_| {
                 let next = walk.next_configuration()?;
                 let qa: Vec<f64> = assembly.independent.iter().map(|&k| next[k]).collect();

@@ -25,9 +25,9 @@ pub enum CodeError {
     /// Friction was asked of something else than tau.
     #[error("friction is a part of tau only, not of {}", .0.name())]
     Friction(What),
-    /// Joints follow from loops, which are closed by iteration.
+    /// The robot's passive joints are found by iteration.
     #[error(
-        "straight-line code closes no loops: give the joints' dependence as couples, or open the loops"
+        "code is written for chains, trees and couples, not for loops given by cut joints: give the passive joints as couples"
     )]
     Loops,
 }
@@ -61,7 +61,7 @@ impl Code {
         if request.friction && what != What::Tau {
             return Err(CodeError::Friction(what));
         }
-        if !mechanism.description.loops.is_empty() {
+        if mechanism.assembly.is_some() {
             return Err(CodeError::Loops);
         }
         let program = record(mechanism, what, request.columns, request.friction);

@@ -48,6 +48,11 @@ pub enum SymbolicError {
     /// A number has no place in a prime field.
     #[error("{0}; give it as a decimal number instead")]
     NotInField(#[from] NotInField),
+    /// The robot's loops are not decided exactly.
+    #[error(
+        "relations in symbols are found for chains, trees and couples, not for loops given by cut joints"
+    )]
+    Loops,
     /// The found relations do not hold elsewhere.
     #[error(
         "the relation of {entry} fails at fresh values of the symbols: please report this robot"
@@ -114,6 +119,9 @@ pub fn symbolic_relations(
     mechanism: &Mechanism,
     options: &SymbolicOptions,
 ) -> Result<SymbolicRelations, SymbolicError> {
+    if mechanism.assembly.is_some() {
+        return Err(SymbolicError::Loops);
+    }
     let named = Named::new(&mechanism.description, options.naming);
     let columns = mechanism.parameters().len();
     let order = options.order.clone();

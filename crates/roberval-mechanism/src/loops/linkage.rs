@@ -226,6 +226,20 @@ impl<T: Real> Configuration<'_, T> {
         .collect()
     }
 
+    /// The largest residual, m or rad.
+    #[must_use]
+    pub fn gap(&self) -> f64 {
+        let loops = self.linkage.loops.iter();
+        let conditions = loops.flat_map(|l| l.cut.conditions());
+        let units = conditions.map(|condition| match condition {
+            Condition::Point(_) => self.linkage.unit,
+            Condition::Axes(..) => 1.0,
+        });
+        let units = units.chain(std::iter::repeat(1.0));
+        let sizes = self.residual().into_iter().zip(units);
+        sizes.fold(0.0, |m, (x, unit)| m.max(x.to_f64().abs() * unit))
+    }
+
     /// Whether the axes that must point the same way do, where the equations only make
     /// them parallel.
     #[must_use]

@@ -131,7 +131,6 @@ impl Assembly {
             });
         }
         let (joints, equations) = (linkage.dof(), linkage.equations());
-        let highest = candidates.iter().map(|c| c.rank).max().unwrap_or(0);
         let mut movable = false;
         for candidate in &candidates {
             movable |= candidate.rank < joints;
@@ -142,22 +141,19 @@ impl Assembly {
                 return Ok(assembly);
             }
         }
+        if !near.is_empty() && Self::of(linkage, &[], order).is_ok() {
+            return Err(AssemblyError::Singular);
+        }
+        let rank = candidates[0].rank;
         Err(match movable {
             false => AssemblyError::Rigid {
                 joints,
-                rank: joints,
+                rank,
                 equations,
             },
-            true if !near.is_empty()
-                && candidates
-                    .iter()
-                    .all(|c| c.rank < highest || c.regularity < REGULAR) =>
-            {
-                AssemblyError::Singular
-            }
             true => AssemblyError::Shaky {
                 joints,
-                rank: candidates[0].rank,
+                rank,
                 equations,
             },
         })
@@ -379,7 +375,13 @@ impl<'a> Search<'a> {
     fn try_start(&mut self, q: Vec<f64>, held: &[usize]) -> Option<Candidate> {
         self.starts += 1;
         let (q, size) = descend(self.linkage, q, held);
-        self.best = self.best.min(size);
+        let end = self.linkage.at(&q);
+        let turned = if end.is_aligned() {
+            0.0
+        } else {
+            std::f64::consts::PI
+        };
+        self.best = self.best.min(end.gap().max(turned));
         if size.is_nan() || size >= NEARLY_CLOSED {
             return None;
         }

@@ -15,6 +15,9 @@ const LONGEST_STEP: f64 = 1.0;
 /// of length), so that the others follow on their branch.
 const STRIDE: f64 = 0.1;
 
+/// Of a stride, what closing the loops may change.
+const BEND: f64 = 0.2;
+
 /// Halvings of a stride that does not succeed.
 const MOST_HALVINGS: u32 = 8;
 
@@ -206,7 +209,8 @@ impl Assembly {
             }
             let found = linkage.close_dependent(guess.clone(), &dependent);
             // Far from the prediction is another branch.
-            match found.filter(|f| largest_difference(f, &guess) <= STRIDE) {
+            let near = BEND * largest_difference(&guess, &q) + closed::<f64>();
+            match found.filter(|f| largest_difference(f, &guess) <= near) {
                 Some(found) => {
                     q = found;
                     done = next;

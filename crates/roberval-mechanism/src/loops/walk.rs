@@ -5,7 +5,7 @@
 //! steps are a part of it, and the walk turns back before it is lost. So no step can pass
 //! from one branch to another, and what is analytic on the branch is decided on the arc
 //! between its singular points. In the same way the walk turns back where the independent
-//! joints cease to lead the others: it stays in one assembly mode.
+//! joints cease to lead the others: it keeps to one assembly mode.
 
 use roberval_scalar::{Real, SplitMix64};
 
@@ -20,11 +20,14 @@ const STEP: f64 = 0.15;
 /// joint in units of length.
 const CAUTION: f64 = 0.25;
 
-/// Nearer to a singular point than this the walk turns back: |R_kk| over the largest.
-const SINGULAR: f64 = 1e-3;
+/// Where a regularity is below this part of the best seen, the walk turns back.
+const SINGULAR: f64 = 0.1;
 
-/// A sample has |R_kk| of at least this, and G of at most 1 over it.
-const REGULAR: f64 = 2e-2;
+/// Samples have at least this part of the best regularity, and G is at most `LARGEST_G`.
+const REGULAR: f64 = 0.15;
+
+/// What a unit velocity of an independent joint may do to another, at a sample.
+const LARGEST_G: f64 = 50.0;
 
 /// Of a step, what the return to the variety may undo or bend.
 const BEND: f64 = 0.3;
@@ -41,6 +44,15 @@ const MOST_STEPS: usize = 2000;
 /// Halvings before the walk turns.
 const MOST_HALVINGS: usize = 4;
 
+/// How far a place is from singular: smallest kept |R_kk| over the largest.
+#[derive(Debug, Clone, Copy)]
+struct Regularity {
+    /// Of all equations: 0 where branches meet.
+    all: f64,
+    /// Of those for the dependent joints: 0 where the independent ones do not lead them.
+    led: f64,
+}
+
 /// A walk on the branch of the assembly's start.
 #[derive(Debug, Clone)]
 pub struct Walk<'a> {
@@ -49,9 +61,9 @@ pub struct Walk<'a> {
     q: Vec<f64>,
     /// A basis of the tangent space there.
     tangent: Vec<Vec<f64>>,
-    /// How far it is from singular there: the smallest kept |R_kk| of all equations, and
-    /// of those for the dependent joints.
-    regularity: f64,
+    regularity: Regularity,
+    /// The largest of either so far.
+    best: Regularity,
     direction: Vec<f64>,
     random: SplitMix64,
     /// Configurations that were too near to a singular one to be samples.
@@ -69,6 +81,7 @@ impl<'a> Walk<'a> {
             q,
             tangent,
             regularity,
+            best: regularity,
             direction: Vec::new(),
             random: SplitMix64::new(seed),
             redrawn: 0,
@@ -121,11 +134,13 @@ impl<'a> Walk<'a> {
 
     /// One step on; the way made, 0 if it had to turn instead.
     fn step(&mut self) -> f64 {
-        let mut h = STEP.min(CAUTION * self.regularity);
+        let led = self.regularity.led / self.best.led;
+        let mut h = (STEP * led.min(1.0)).min(CAUTION * self.regularity.all);
         for _ in 0..MOST_HALVINGS {
             if let Some((q, tangent, regularity)) = self.try_step(h) {
                 self.direction = projected(&self.direction, &tangent);
                 (self.q, self.tangent, self.regularity) = (q, tangent, regularity);
+                self.best = self.best.max(regularity);
                 return h;
             }
             h *= 0.5;
@@ -134,7 +149,7 @@ impl<'a> Walk<'a> {
         0.0
     }
 
-    fn try_step(&self, h: f64) -> Option<(Vec<f64>, Vec<Vec<f64>>, f64)> {
+    fn try_step(&self, h: f64) -> Option<(Vec<f64>, Vec<Vec<f64>>, Regularity)> {
         let Assembly { linkage, rank, .. } = self.assembly;
         let guess: Vec<f64> = self
             .q
@@ -151,7 +166,9 @@ impl<'a> Walk<'a> {
         let (tangent, regularity) = tangent_space(self.assembly, &q);
         let straight = norm(&projected_raw(&self.direction, &tangent));
         let kept = largest_difference(&q, &guess) <= BEND * h && straight >= 1.0 - BEND;
-        (kept && regularity >= SINGULAR).then_some((q, tangent, regularity))
+        let allowed =
+            regularity.is_above(SINGULAR, self.best) || regularity.is_above(1.0, self.regularity);
+        (kept && allowed).then_some((q, tangent, regularity))
     }
 
     /// A new random direction.
@@ -167,16 +184,14 @@ impl<'a> Walk<'a> {
             independent,
             ..
         } = self.assembly;
-        if self.regularity < REGULAR {
+        if !self.regularity.is_above(REGULAR, self.best) {
             return false;
         }
         let jacobian = linkage.at(&self.q).jacobian();
         let dependent = self.assembly.dependent();
         let qr = columns_qr(&jacobian, &dependent);
         let rates = |k: &usize| qr.solve(jacobian.iter().map(|row| row[*k]).collect());
-        independent
-            .iter()
-            .all(|k| largest(&rates(k)) <= 1.0 / REGULAR)
+        independent.iter().all(|k| largest(&rates(k)) <= LARGEST_G)
     }
 
     /// Joints outside of all loops stand anywhere.
@@ -197,15 +212,28 @@ impl<'a> Walk<'a> {
 
 /// An orthonormal basis of the directions that keep the loops closed, and how far the
 /// place is from a singular one.
-fn tangent_space(assembly: &Assembly, q: &[f64]) -> (Vec<Vec<f64>>, f64) {
+fn tangent_space(assembly: &Assembly, q: &[f64]) -> (Vec<Vec<f64>>, Regularity) {
     let jacobian = assembly.linkage.at(q).jacobian();
-    let mut regularity = 1.0;
-    if !assembly.independent.is_empty() {
-        regularity = smallest(&columns_qr(&jacobian, &assembly.dependent()), assembly.rank);
-    }
+    let led = match assembly.independent.is_empty() {
+        true => 1.0, // not yet known
+        false => smallest(&columns_qr(&jacobian, &assembly.dependent()), assembly.rank),
+    };
     let qr = PivotedQr::of(jacobian, q.len());
-    let regularity = smallest(&qr, assembly.rank).min(regularity);
-    (qr.complement(assembly.rank), regularity)
+    let all = smallest(&qr, assembly.rank);
+    (qr.complement(assembly.rank), Regularity { all, led })
+}
+
+impl Regularity {
+    fn max(self, other: Self) -> Self {
+        Self {
+            all: self.all.max(other.all),
+            led: self.led.max(other.led),
+        }
+    }
+
+    fn is_above(self, part: f64, other: Self) -> bool {
+        self.all >= part * other.all && self.led >= part * other.led
+    }
 }
 
 /// |R_kk| of this rank over the largest (or over 1, if that is less).
