@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::builder::{NonEmptyStringValueParser, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ColorChoice, Parser, Subcommand};
 use roberval_base::{Choice, Engine, Model, Options, Tolerance};
+use roberval_code::{Language, What};
 use roberval_mechanism::CleanMode;
 use roberval_scalar::Quantity;
 use roberval_tables::Format;
@@ -21,6 +22,8 @@ Examples:
   roberval clean arm.urdf -o clean.urdf       1.5708 becomes pi/2
   roberval regressor arm.urdf states.csv -o W.npy
   roberval scale arm.urdf --format csv        well scaled samples
+  roberval base puma560 --symbolic            relations in D3, R3, D4, R4
+  roberval code puma560 --lang c -o puma.c    inverse dynamics as code
 
 Exit codes: 0 clear, 1 computed but doubtful or engines disagree, 2 bad input.";
 
@@ -42,6 +45,15 @@ the joint or of its link) in any order, or an NPZ file with the arrays q, qd and
 The array has the shape (N, n, C) for d and d0 and (N, C) for h, in C order, C being the
 standard parameters in the order of `roberval show`, or the base parameters with --base.
 Only differences of the rows of h mean anything.";
+
+const CODE: &str = "\
+The code is straight-line, without allocation, and takes its parameters in the order that its
+comments list. --format is for --counts.
+
+Examples:
+  roberval code puma560 --lang c --what tau -o puma.c
+  roberval code arm.urdf --lang python --what regressor -o arm_regressor.py
+  roberval code arm.urdf --counts";
 
 const SCALE: &str = "\
 The table shows what the search gained over random samples. --format csv writes the samples
@@ -69,6 +81,9 @@ pub(crate) enum Command {
     /// Write the regressor at joint states from a file as a NumPy array
     #[command(after_help = STATES)]
     Regressor(RegressorArgs),
+    /// Write the reduced model as code: C, Rust, NumPy or MATLAB
+    #[command(after_help = CODE)]
+    Code(CodeArgs),
     /// Search for samples that scale W (section 4 of the paper's method)
     #[command(after_help = SCALE)]
     Scale(ScaleArgs),
@@ -100,6 +115,43 @@ pub(crate) struct BaseArgs {
     /// Write also a report to look at: one HTML page, offline
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
+    /// Show the relations in symbols: named constants stay symbols, and where there are
+    /// none all lengths get names (d3, r4, x5)
+    #[arg(long)]
+    pub symbolic: bool,
+    /// With --symbolic: give names to all lengths that have none
+    #[arg(long, requires = "symbolic")]
+    pub name_lengths: bool,
+    /// With --symbolic: write the relations also as a Python module for SymPy
+    #[arg(long, requires = "symbolic", value_name = "FILE")]
+    pub sympy: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CodeArgs {
+    #[command(flatten)]
+    pub robot: RobotArgs,
+    /// The language
+    #[arg(long, default_value = Language::C.name(), value_parser = language())]
+    pub lang: Language,
+    /// What the code computes: inverse dynamics, the reduced regressor d1, the energy row
+    /// h1, the torques of gravity, the mass matrix
+    #[arg(long, default_value = What::Tau.name(), value_parser = what())]
+    pub what: What,
+    /// The parameters it takes: base parameters, or all standard ones
+    #[arg(long, default_value = "base", value_parser = ["base", "standard"])]
+    pub parameters: String,
+    /// Add friction to tau, Fv qd + Fc sign(qd), two parameters a joint
+    #[arg(long)]
+    pub friction: bool,
+    /// Show what the code costs in place of the code: operations with standard and with
+    /// base parameters, link by link
+    #[arg(long)]
+    pub counts: bool,
+    #[command(flatten)]
+    pub choice: ChoiceArgs,
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -318,6 +370,14 @@ fn snap() -> impl TypedValueParser<Value = CleanMode> {
         "aggressive" => CleanMode::Aggressive,
         _ => CleanMode::Default,
     })
+}
+
+fn language() -> impl TypedValueParser<Value = Language> {
+    named(&Language::ALL, Language::name)
+}
+
+fn what() -> impl TypedValueParser<Value = What> {
+    named(&What::ALL, What::name)
 }
 
 fn format() -> impl TypedValueParser<Value = Format> {

@@ -47,6 +47,11 @@ pub(crate) fn render(document: &Document) -> String {
                     wrap(&relation.pieces(), HANG, &mut lines);
                 }
             }
+            Block::Formulas(formulas) => {
+                for formula in formulas {
+                    wrap(&formula.pieces(), HANG, &mut lines);
+                }
+            }
         }
     }
     lines.iter().fold(String::new(), |mut text, line| {
