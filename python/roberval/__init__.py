@@ -9,6 +9,7 @@
 
 from ._core import __version__
 from .base import BaseParameters, Comparison, Relations, Route
+from .code import Code, Compiled, Count
 from .diagnosis import Blame, Diagnosis, Literal, Structure, Witness
 from .errors import (
     ArrayError,
@@ -28,6 +29,7 @@ from .loading import CatalogueEntry, catalogue, load
 from .options import Choice, Engine, Model, Number, Snap
 from .robot import Link, Robot
 from .scaling import Grade, Scaling
+from .symbolic import SymbolicRelations
 
 __all__ = [
     "ArrayError",
@@ -35,7 +37,10 @@ __all__ = [
     "Blame",
     "CatalogueEntry",
     "Choice",
+    "Code",
     "Comparison",
+    "Compiled",
+    "Count",
     "Diagnosis",
     "DoubtfulRankWarning",
     "Engine",
@@ -60,6 +65,7 @@ __all__ = [
     "Snap",
     "Structure",
     "Surd",
+    "SymbolicRelations",
     "UnknownParameterError",
     "Witness",
     "__version__",

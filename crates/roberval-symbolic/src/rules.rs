@@ -36,6 +36,8 @@ pub enum Origin {
     RevoluteAxis,
     /// A link does not turn against its antecedent across a prismatic joint.
     PrismaticJoint,
+    /// A link slides along the only direction about which its antecedent turns.
+    ParallelSlide,
     /// A link does not move against its antecedent.
     FixedJoint,
     /// No rule: found by elimination.
@@ -51,6 +53,7 @@ impl fmt::Display for Origin {
             Self::Rotor => "rule: a rotor turns (slides) as its link does",
             Self::RevoluteAxis => "rule: mass along a revolute joint's axis",
             Self::PrismaticJoint => "rule: no turn across a prismatic joint",
+            Self::ParallelSlide => "rule: a slide along the only direction of turning",
             Self::FixedJoint => "rule: no motion across a fixed joint",
             Self::Elimination => "elimination, where the rules end",
         })
@@ -81,6 +84,7 @@ pub(crate) fn removed_by_rules<'m>(
     rules.apply();
     let vectors = rules.found;
     let holds = holding(&vectors, exact, mechanism, random);
+    debug_assert!(holds.iter().all(|holds| *holds), "a rule is wrong");
     let mut rows: Vec<(usize, Vec<Fp<'m>>)> = Vec::new();
     let mut removed = Vec::new();
     for ((origin, vector), _) in vectors.iter().zip(holds).filter(|(_, holds)| *holds) {
@@ -146,7 +150,6 @@ impl<'m> Rules<'_, 'm> {
     fn apply(&mut self) {
         let tree = self.tree;
         let mut turnings: Vec<Turning<'m>> = Vec::new();
-        // Whether the link's origin has not moved, and whether it moved along axes only.
         for (j, body) in tree.bodies.iter().enumerate() {
             let parent = body.antecedent.map_or(Turning::Never, |a| turnings[a]);
             let turning = self.turning(body, parent);
@@ -160,6 +163,7 @@ impl<'m> Rules<'_, 'm> {
             }
             self.rotor(j, parent);
             self.across_the_joint(j);
+            self.parallel_slide(j, parent);
             turnings.push(turning);
         }
     }
@@ -351,14 +355,38 @@ impl<'m> Rules<'_, 'm> {
                 (Origin::FixedJoint, all)
             }
         };
-        for own in all {
-            let mut vector = self.zeros();
-            self.put(&mut vector, j, &own);
-            if let Some(antecedent) = body.antecedent {
-                let moved = own.moved(&body.rotation, body.origin).negative();
-                self.put(&mut vector, antecedent, &moved);
-            }
-            self.found.push((origin, vector));
+        all.iter().for_each(|own| self.share(origin, j, own));
+    }
+
+    /// Moments that can be link j's or its antecedent's.
+    fn share(&mut self, origin: Origin, j: usize, own: &Moments<Fp<'m>>) {
+        let body = &self.tree.bodies[j];
+        let mut vector = self.zeros();
+        self.put(&mut vector, j, own);
+        if let Some(antecedent) = body.antecedent {
+            let moved = own.moved(&body.rotation, body.origin).negative();
+            self.put(&mut vector, antecedent, &moved);
+        }
+        self.found.push((origin, vector));
+    }
+
+    /// Where first moments stand along the only direction of turning means nothing.
+    fn parallel_slide(&mut self, j: usize, parent: Turning<'m>) {
+        let body = &self.tree.bodies[j];
+        let (JointKind::Prismatic, Turning::About(e)) = (body.joint, parent) else {
+            return;
+        };
+        let across = cross(returned(&body.rotation, e), body.axis);
+        if across.iter().any(|x| !x.is_zero()) {
+            return;
+        }
+        let (zero, one) = (self.tree.constants.zero, self.tree.constants.one);
+        for first in [[one, zero, zero], [zero, one, zero], [zero, zero, one]] {
+            let own = Moments {
+                first,
+                ..self.nothing()
+            };
+            self.share(Origin::ParallelSlide, j, &own);
         }
     }
 }
