@@ -6,6 +6,7 @@ use roberval_base::BaseError;
 use roberval_formats::FormatError;
 use roberval_mechanism::MechanismError;
 use roberval_regressor::RegressorError;
+use roberval_symbolic::SymbolicError;
 
 /// An error that knows its Python class, one of `roberval.errors`.
 pub trait IntoPython {
@@ -43,6 +44,16 @@ impl IntoPython for FormatError {
 impl IntoPython for MechanismError {
     fn into_python(self, py: Python<'_>) -> PyErr {
         raise(py, "RobotError", &self.to_string())
+    }
+}
+
+impl IntoPython for SymbolicError {
+    fn into_python(self, py: Python<'_>) -> PyErr {
+        let class = match self {
+            Self::NotVerified { .. } => "InternalError",
+            _ => "RobotError",
+        };
+        raise(py, class, &self.to_string())
     }
 }
 

@@ -85,7 +85,6 @@ fn law(robot: &Mechanism) -> Vec<(Vec<f64>, f64)> {
                 }
                 (row, law.offset.value)
             }
-            VariableLaw::Implicit => panic!("couples have laws"),
         }
     };
     laws.map(row).collect()

@@ -84,7 +84,6 @@ impl<'a> Couples<'a> {
                 let terms = law.terms.iter().map(term);
                 (terms.collect::<Result<_, CertificateError>>()?, &law.offset)
             }
-            VariableLaw::Implicit => return Err(CertificateError::NotExact),
         };
         let constants = &self.mechanism.description.constants;
         let start = match link.joint {
