@@ -163,8 +163,7 @@ impl<'s, 'd> Section<'s, 'd> {
                 .wrong_type(key, item, "three numbers")
                 .hint(format!("write {key} = [0, 0, 1]")));
         };
-        self.three(key, array, Quantity::parse_number, constants)
-            .map(Some)
+        self.three(key, array, read, constants).map(Some)
     }
 
     /// The three numbers of an array.
