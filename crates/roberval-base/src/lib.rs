@@ -19,7 +19,9 @@ mod result;
 mod sample;
 mod scaling;
 
-pub use certificate::{CertificateError, CertificateNotes, certificate, certificate_text};
+pub use certificate::{
+    CertificateError, CertificateNotes, certificate, certificate_text, robot_sha256,
+};
 pub use choice::Choice;
 pub use compare::{Comparison, Failure, Route, compare};
 pub use diagnosis::{Diagnosis, Opened, Structure, Witness};

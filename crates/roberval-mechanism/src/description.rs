@@ -156,6 +156,8 @@ fn circle(names: &[String]) -> String {
 pub enum SourceFormat {
     /// Modified Denavit-Hartenberg frames of Khalil and Kleinfinger.
     Mdh,
+    /// Robot TOML with links placed as in URDF.
+    Placed,
     /// URDF link frames.
     Urdf,
 }
