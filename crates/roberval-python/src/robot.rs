@@ -39,6 +39,9 @@ type LinkRow = (
     bool,
 );
 
+/// Rotation (rows) and origin on the antecedent, and the joint's axis.
+type Placement = ([[f64; 3]; 3], [f64; 3], [f64; 3]);
+
 #[pymethods]
 impl Robot {
     /// A built-in robot by name, or a robot file.
@@ -188,7 +191,7 @@ impl Robot {
     /// Of each link: rotation (rows) and origin on its antecedent at joint variable 0, and
     /// the joint's axis in the link's frame.
     #[getter]
-    fn placements(&self) -> Vec<([[f64; 3]; 3], [f64; 3], [f64; 3])> {
+    fn placements(&self) -> Vec<Placement> {
         let links = self.mechanism.links.iter();
         links
             .map(|l| {
