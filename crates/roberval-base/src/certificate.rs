@@ -8,7 +8,7 @@
 mod numbers;
 
 use num_bigint::BigUint;
-use roberval_mechanism::{Geometry, JointKind, Link, LinkDescription, Mechanism};
+use roberval_mechanism::{Geometry, LinkDescription, Mechanism};
 use roberval_regressor::Model;
 use roberval_scalar::Quantity;
 use serde_json::{Map, Value, json};
@@ -127,14 +127,18 @@ fn robot(mechanism: &Mechanism) -> Result<Value, CertificateError> {
             let antecedent = link.antecedent.map(|a| mechanism.links[a].name.as_str());
             let written = &description.links[link.in_file];
             let (placement, axis) = geometry(written, constants)?;
-            Ok(json!({
+            let mut entry = json!({
                 "name": link.name,
                 "antecedent": antecedent,
-                "joint": joint(link),
+                "joint": link.joint.name(),
                 "rotor": link.rotor,
                 "placement": placement,
                 "axis": axis,
-            }))
+            });
+            if link.massless {
+                entry["massless"] = true.into();
+            }
+            Ok(entry)
         })
         .collect::<Result<_, _>>()?;
     Ok(json!({
@@ -142,14 +146,6 @@ fn robot(mechanism: &Mechanism) -> Result<Value, CertificateError> {
         "gravity": vector(&description.gravity, constants)?,
         "links": links,
     }))
-}
-
-fn joint(link: &Link) -> &'static str {
-    match link.joint {
-        JointKind::Revolute => "revolute",
-        JointKind::Prismatic => "prismatic",
-        JointKind::Fixed => "fixed",
-    }
 }
 
 /// Moves `["move", x, y, z]` and turns `["turn", axis, r, s]` by r + s pi, left to right,

@@ -1,17 +1,17 @@
 use std::f64::consts::PI;
 
-use roberval_mechanism::{JointKind, Mechanism};
+use roberval_mechanism::{Mechanism, Motion};
 use roberval_regressor::States;
 use roberval_scalar::SplitMix64;
 
-/// Random joint states: N samples of n joints, row-major.
+/// Random states of the robot, N samples, row-major, as [`States`] has them.
 ///
 /// Revolute joints turn anywhere; prismatic ones move by the robot's own length L, and
 /// time runs in units of sqrt(L/g), so that weights and inertia forces are comparable
-/// and the answer does not depend on the unit of length.
+/// and the answer does not depend on the unit of length. A floating base moves likewise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Samples {
-    /// Positions, rad or m.
+    /// Positions, rad or m; an attitude as a quaternion.
     pub q: Vec<f64>,
     /// Velocities, per s.
     pub qd: Vec<f64>,
@@ -25,12 +25,12 @@ impl Samples {
     /// `count` samples for this robot; the same seed gives the same samples.
     #[must_use]
     pub fn draw(mechanism: &Mechanism, count: usize, seed: u64) -> Self {
-        let reaches = reaches(mechanism);
+        let reaches = Reaches::of(mechanism);
         let mut random = SplitMix64::new(seed);
-        let mut samples = Self::with_capacity(count * reaches.len());
+        let mut samples = Self::with_capacity(count * mechanism.positions());
         for _ in 0..count {
             let unit = |_| std::array::from_fn(|_| random.uniform(-1.0, 1.0));
-            let state: Vec<[f64; 3]> = reaches.iter().map(unit).collect();
+            let state: Vec<[f64; 3]> = (0..mechanism.dof()).map(unit).collect();
             samples.push(&reaches, &state);
         }
         samples
@@ -46,13 +46,19 @@ impl Samples {
         }
     }
 
-    /// Adds the sample whose (q, qd, qdd), joint by joint, are `state` in units of
-    /// `reaches`.
-    pub(crate) fn push(&mut self, reaches: &[[f64; 3]], state: &[[f64; 3]]) {
-        for (reach, state) in reaches.iter().zip(state) {
+    /// Adds the sample whose (q, qd, qdd), coordinate by coordinate of the velocity, are
+    /// `state` in units of `reaches`; the three of an attitude are a rotation vector.
+    pub(crate) fn push(&mut self, reaches: &Reaches, state: &[[f64; 3]]) {
+        let first = self.q.len();
+        for (reach, state) in reaches.each.iter().zip(state) {
             self.q.push(reach[0] * state[0]);
             self.qd.push(reach[1] * state[1]);
             self.qdd.push(reach[2] * state[2]);
+        }
+        if reaches.floating {
+            let attitude = first + 3..first + 6;
+            let vector = [0, 1, 2].map(|k| self.q[attitude.start + k]);
+            self.q.splice(attitude, quaternion(vector));
         }
         self.count += 1;
     }
@@ -68,18 +74,37 @@ impl Samples {
     }
 }
 
-/// The largest (q, qd, qdd) drawn for each joint.
-pub(crate) fn reaches(mechanism: &Mechanism) -> Vec<[f64; 3]> {
-    let length = mechanism.characteristic_length();
-    let gravity = mechanism.gravity.norm();
-    let rate = if gravity > 0.0 {
-        (gravity / length).sqrt()
-    } else {
-        1.0
-    };
-    let reach = |joint| match joint {
-        JointKind::Prismatic => [length, rate * length, rate * rate * length],
-        JointKind::Revolute | JointKind::Fixed => [PI, rate, rate * rate],
-    };
-    mechanism.moving().map(|link| reach(link.joint)).collect()
+/// The largest (q, qd, qdd) drawn for each coordinate of the velocity.
+pub(crate) struct Reaches {
+    pub each: Vec<[f64; 3]>,
+    floating: bool,
+}
+
+impl Reaches {
+    pub fn of(mechanism: &Mechanism) -> Self {
+        let length = mechanism.characteristic_length();
+        let gravity = mechanism.gravity.norm();
+        let rate = if gravity > 0.0 {
+            (gravity / length).sqrt()
+        } else {
+            1.0
+        };
+        let reach = |motion| match motion {
+            Motion::Translation => [length, rate * length, rate * rate * length],
+            Motion::Rotation => [PI, rate, rate * rate],
+        };
+        Self {
+            each: mechanism.motions().map(reach).collect(),
+            floating: mechanism.is_floating(),
+        }
+    }
+}
+
+/// The quaternion (x, y, z, w) of a rotation about a vector by its length.
+fn quaternion(vector: [f64; 3]) -> [f64; 4] {
+    let angle = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let (sin, cos) = (0.5 * angle).sin_cos();
+    let factor = if angle > 0.0 { sin / angle } else { 0.5 };
+    let [x, y, z] = vector.map(|x| factor * x);
+    [x, y, z, cos]
 }

@@ -9,6 +9,7 @@
 mod clean;
 mod description;
 mod mechanism;
+mod names;
 mod order;
 mod parameters;
 mod placement;
@@ -17,7 +18,7 @@ pub use clean::{
     Change, CleanMode, CleanPolicy, Cleaned, Field, NearMiss, Unit, apply, clean, revert,
 };
 pub use description::{
-    Geometry, JointKind, LinkDescription, MdhGeometry, Mimic, Origin, RobotDescription,
+    Geometry, JointKind, LinkDescription, MdhGeometry, Mimic, Motion, Origin, RobotDescription,
     SourceFormat, TreeError, find_cycle,
 };
 pub use mechanism::{Cleaning, Link, Mechanism, MechanismError};

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::clean::{CleanPolicy, Cleaned, clean};
-use crate::{JointKind, ParameterSpace, RobotDescription, TreeError, order, placement};
+use crate::{JointKind, Motion, ParameterSpace, RobotDescription, TreeError, order, placement};
 
 /// A valid robot with numbers: a chain or tree of links, each after its antecedent.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,6 +47,8 @@ pub struct Link {
     pub active: bool,
     /// Whether there is an Ia column.
     pub rotor: bool,
+    /// Whether there are no columns at all: no body, only a motion.
+    pub massless: bool,
     /// Constant rotation from this link's frame to the antecedent's at joint variable 0:
     /// its columns are the axes (s, n, a) of this frame in the antecedent's.
     pub rotation: Matrix3<f64>,
@@ -56,6 +58,53 @@ pub struct Link {
     pub axis: Vector3<f64>,
     /// XX XY XZ YY YZ ZZ MX MY MZ M Ia about the frame's origin, where known.
     pub inertia: [Option<f64>; 11],
+}
+
+impl Link {
+    /// How many standard parameters it has: ten, and Ia if there is a rotor; none without
+    /// a body.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        match (self.massless, self.rotor) {
+            (true, _) => 0,
+            (false, rotor) => 10 + usize::from(rotor),
+        }
+    }
+}
+
+/// A link that floats must be the base of all others.
+fn check_floating(links: &[Link]) -> Result<(), MechanismError> {
+    let Some(floating) = links.iter().find(|l| l.joint == JointKind::Floating) else {
+        return Ok(());
+    };
+    if let Some(antecedent) = floating.antecedent {
+        return Err(MechanismError::FloatingOnLink {
+            link: floating.name.clone(),
+            antecedent: links[antecedent].name.clone(),
+        });
+    }
+    let beside = |l: &&Link| l.antecedent.is_none() && l.name != floating.name;
+    match links.iter().find(beside) {
+        None => Ok(()),
+        Some(other) => Err(MechanismError::BesideFloating {
+            link: other.name.clone(),
+            floating: floating.name.clone(),
+        }),
+    }
+}
+
+/// A link without a body must carry one link.
+fn check_massless(links: &[Link]) -> Result<(), MechanismError> {
+    for (j, link) in links.iter().enumerate().filter(|(_, l)| l.massless) {
+        let carried = links.iter().filter(|l| l.antecedent == Some(j)).count();
+        if carried != 1 {
+            return Err(MechanismError::Massless {
+                link: link.name.clone(),
+                links: carried,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Why a description is not a mechanism.
@@ -78,6 +127,36 @@ pub enum MechanismError {
     /// The links do not form a tree on the base.
     #[error(transparent)]
     Tree(#[from] TreeError),
+    /// A link floats that is not the base of all others.
+    #[error(
+        "link \"{link}\" floats on \"{antecedent}\": only the first link may float, on the base and with all others on it"
+    )]
+    FloatingOnLink {
+        /// The link.
+        link: String,
+        /// Its antecedent.
+        antecedent: String,
+    },
+    /// A link stands on the base beside one that floats.
+    #[error(
+        "link \"{link}\" stands on the base beside the floating link \"{floating}\": all links must stand on the floating one, and be analysed without it if they do not"
+    )]
+    BesideFloating {
+        /// The link.
+        link: String,
+        /// The one that floats.
+        floating: String,
+    },
+    /// A link without a body carries none, or several.
+    #[error(
+        "link \"{link}\" is massless and carries {links} links: one that only stands between two motions carries one"
+    )]
+    Massless {
+        /// The link.
+        link: String,
+        /// How many links it carries.
+        links: usize,
+    },
     /// A number that must be finite is not.
     #[error("link \"{link}\": {field} is {value}, which is not a finite number")]
     NotFinite {
@@ -142,6 +221,8 @@ impl Mechanism {
                 placement::link(&description.links[in_file], in_file, antecedent)
             })
             .collect::<Result<Vec<_>, _>>()?;
+        check_floating(&links)?;
+        check_massless(&links)?;
         let mechanism = Self {
             name: description.name.clone(),
             gravity,
@@ -157,13 +238,34 @@ impl Mechanism {
         Ok(mechanism)
     }
 
-    /// Number of joint variables n (fixed joints have none).
+    /// Number of degrees of freedom n: of velocities, accelerations and rows of d. A fixed
+    /// joint has none, a floating base six.
     #[must_use]
     pub fn dof(&self) -> usize {
-        self.moving().count()
+        self.motions().count()
     }
 
-    /// The links with a joint variable, in the order of the variables.
+    /// What each coordinate of the velocity measures.
+    pub fn motions(&self) -> impl Iterator<Item = Motion> {
+        let links = self.links.iter();
+        links.flat_map(|l| l.joint.motions().iter().copied())
+    }
+
+    /// Whether the first link is a base that floats.
+    #[must_use]
+    pub fn is_floating(&self) -> bool {
+        let first = self.links.first();
+        first.is_some_and(|l| l.joint == JointKind::Floating)
+    }
+
+    /// Number of coordinates of a position q: n, or n + 1 for a floating robot, whose
+    /// attitude is a quaternion.
+    #[must_use]
+    pub fn positions(&self) -> usize {
+        self.dof() + usize::from(self.is_floating())
+    }
+
+    /// The links with a joint variable or, the first of a floating robot, with six.
     pub fn moving(&self) -> impl Iterator<Item = &Link> {
         self.links.iter().filter(|l| l.joint != JointKind::Fixed)
     }
@@ -171,7 +273,7 @@ impl Mechanism {
     /// The standard parameters as columns.
     #[must_use]
     pub fn parameters(&self) -> ParameterSpace {
-        ParameterSpace::new(self.links.iter().map(|l| (l.name.as_str(), l.rotor)))
+        ParameterSpace::new(self.links.iter().map(|l| (l.name.as_str(), l.columns())))
     }
 
     /// The known standard parameters X in column order; what the robot file does not

@@ -3,8 +3,8 @@ use roberval_scalar::{Magnitude, Scalar};
 
 use crate::sink::SelectedRows;
 use crate::{
-    DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion, Sink, Torques, Tree, dynamics,
-    energy,
+    BaseState, DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion, Sink, Torques, Tree,
+    dynamics, energy,
 };
 
 /// The three models, each linear in the parameters X.
@@ -58,6 +58,16 @@ pub enum RegressorError {
         /// Entries found.
         found: usize,
     },
+    /// The attitude of a floating base is none.
+    #[error(
+        "q[{sample}, 3:7] has length {length}: the attitude of a floating base must be a quaternion (x, y, z, w) of length 1"
+    )]
+    Quaternion {
+        /// Row, from 0.
+        sample: usize,
+        /// Its length.
+        length: f64,
+    },
     /// An entry is NaN or infinite.
     #[error("{array}[{sample}, {joint}] is {value}: joint states must be finite numbers")]
     NotFinite {
@@ -74,9 +84,9 @@ pub enum RegressorError {
 
 /// The regressor of a mechanism over float samples.
 ///
-/// States are row-major: `q`, `qd`, `qdd` hold N x n numbers (rad or m, per s, per s^2),
-/// n being the moving joints in link order. Rows come as (N, n, C) for d and d0, (N, C)
-/// for h, in C order, so that a reshape gives W.
+/// States are as [`States`] says. Rows come as (N, n, C) for d and d0, (N, C) for h, in C
+/// order, so that a reshape gives W. The first six rows of a floating robot are the force
+/// and the moment on its base, in the base's frame.
 #[derive(Debug, Clone)]
 pub struct Regressor {
     tree: Tree<f64>,
@@ -93,10 +103,16 @@ impl Regressor {
         }
     }
 
-    /// Number of joint variables n.
+    /// Number of degrees of freedom n: of velocities and of rows.
     #[must_use]
     pub fn dof(&self) -> usize {
         self.tree.dof
+    }
+
+    /// Number of coordinates of q: n, or n + 1 for a floating robot.
+    #[must_use]
+    pub fn positions(&self) -> usize {
+        self.dof() + self.tree.position_offset()
     }
 
     /// The parameters in column order.
@@ -115,10 +131,10 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(self.dof())?;
+        let samples = states.check(&self.tree)?;
         let width = self.space.len();
         check_out(model, samples, self.dof(), width, out.len())?;
-        let mut motion = Vec::new();
+        let mut motion = Motion::default();
         let mut rows = Rows::new(&self.tree, &self.space, None);
         let size = model.rows(self.dof()) * width;
         for (sample, out) in out.chunks_exact_mut(size.max(1)).enumerate() {
@@ -140,9 +156,9 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(self.dof())?;
+        let samples = states.check(&self.tree)?;
         check_out(model, samples, self.dof(), columns.len(), out.len())?;
-        let mut motion = Vec::new();
+        let mut motion = Motion::default();
         let mut rows = Rows::new(&self.tree, &self.space, Some(columns));
         let size = model.rows(self.dof()) * columns.len();
         for (sample, out) in out.chunks_exact_mut(size.max(1)).enumerate() {
@@ -163,18 +179,20 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(self.dof())?;
+        let samples = states.check(&self.tree)?;
         let width = self.space.len();
         check_out(model, samples, self.dof(), width, out.len())?;
         let tree = self.tree.magnitude();
-        let (mut motion, mut sizes) = (Vec::new(), Vec::new());
+        let (mut motion, mut sizes) = (Motion::default(), Motion::default());
         let mut rows = Rows::new(&tree, &self.space, None);
         let size = model.rows(self.dof()) * width;
         let mut magnitudes = vec![Magnitude::default(); size];
         for (sample, out) in out.chunks_exact_mut(size.max(1)).enumerate() {
             states.motion(&self.tree, model, sample, &mut motion);
-            sizes.clear();
-            sizes.extend(motion.iter().map(JointMotion::magnitude));
+            sizes.base = motion.base.as_ref().map(BaseState::magnitude);
+            sizes.joints.clear();
+            let joints = motion.joints.iter().map(JointMotion::magnitude);
+            sizes.joints.extend(joints);
             rows.write(model, &sizes, &mut magnitudes);
             for (out, magnitude) in out.iter_mut().zip(&magnitudes) {
                 *out = magnitude.value();
@@ -193,10 +211,10 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(self.dof())?;
+        let samples = states.check(&self.tree)?;
         check_length("x", self.space.len(), x.len(), "one number a parameter")?;
         check_out(Model::D, samples, self.dof(), 1, out.len())?;
-        let mut motion = Vec::new();
+        let mut motion = Motion::default();
         let mut workspace = DynamicsWorkspace::new(&self.tree);
         for (sample, torques) in out.chunks_exact_mut(self.dof()).enumerate() {
             torques.fill(0.0);
@@ -206,16 +224,25 @@ impl Regressor {
                 x,
                 torques,
             };
-            dynamics(&self.tree, &motion, &mut workspace, &mut sink);
+            if let Some(base) = &motion.base {
+                workspace.move_base(&self.tree, base);
+            }
+            dynamics(&self.tree, &motion.joints, &mut workspace, &mut sink);
         }
         Ok(())
     }
 }
 
-/// N joint states, row-major.
+/// N states, row-major; n is the number of degrees of freedom.
+///
+/// Coordinates stand in link order (rad or m, per s, per s^2). Those of a floating robot
+/// begin as Pinocchio's do: q with the base's position and attitude x y z qx qy qz qw, qd
+/// with the velocity of the base's origin and its angular velocity, both in the base's
+/// frame, qdd with the rates of these six numbers (the spatial acceleration: the origin's
+/// own is `dv + w x v`).
 #[derive(Debug, Clone, Copy)]
 pub struct States<'a> {
-    /// Positions, N x n.
+    /// Positions, N x n, or N x (n + 1) for a floating robot.
     pub q: &'a [f64],
     /// Velocities, N x n.
     pub qd: &'a [f64],
@@ -223,43 +250,86 @@ pub struct States<'a> {
     pub qdd: &'a [f64],
 }
 
+/// A quaternion is scaled to length 1 if it is as near to it as this: numbers written with
+/// three digits are, and an attitude in other coordinates hardly ever.
+const QUATERNION_ROUNDING: f64 = 1e-2;
+
 impl States<'_> {
     /// The number of samples N.
-    fn check(&self, dof: usize) -> Result<usize, RegressorError> {
-        let samples = self.q.len() / dof;
-        let shape = format!("{samples} samples x {dof} joints");
-        for (array, values) in [("q", self.q), ("qd", self.qd), ("qdd", self.qdd)] {
-            check_length(array, samples * dof, values.len(), &shape)?;
+    fn check(&self, tree: &Tree<f64>) -> Result<usize, RegressorError> {
+        let positions = tree.dof + tree.position_offset();
+        let samples = self.q.len() / positions;
+        let arrays = [
+            ("q", self.q, positions),
+            ("qd", self.qd, tree.dof),
+            ("qdd", self.qdd, tree.dof),
+        ];
+        for (array, values, width) in arrays {
+            let shape = format!("{samples} samples x {width} coordinates");
+            check_length(array, samples * width, values.len(), &shape)?;
             if let Some(at) = values.iter().position(|x| !x.is_finite()) {
                 return Err(RegressorError::NotFinite {
                     array,
-                    sample: at / dof,
-                    joint: at % dof,
+                    sample: at / width,
+                    joint: at % width,
                     value: values[at],
                 });
             }
         }
+        if tree.is_floating() {
+            self.check_quaternions(positions)?;
+        }
         Ok(samples)
     }
 
-    /// How the joints move in one sample, into a vector that is used again.
-    fn motion(
-        &self,
-        tree: &Tree<f64>,
-        model: Model,
-        sample: usize,
-        motion: &mut Vec<JointMotion<f64>>,
-    ) {
-        motion.clear();
-        motion.extend(tree.bodies.iter().map(|body| {
-            let at = sample * tree.dof + body.variable.unwrap_or(0);
-            let qd = if model == Model::D0 { 0.0 } else { self.qd[at] };
+    fn check_quaternions(&self, positions: usize) -> Result<(), RegressorError> {
+        for (sample, q) in self.q.chunks_exact(positions).enumerate() {
+            let length = q[3..7].iter().map(|x| x * x).sum::<f64>().sqrt();
+            let near_one = (length - 1.0).abs() <= QUATERNION_ROUNDING;
+            if !near_one {
+                return Err(RegressorError::Quaternion { sample, length });
+            }
+        }
+        Ok(())
+    }
+
+    /// How base and joints move in one sample, into memory that is used again.
+    fn motion(&self, tree: &Tree<f64>, model: Model, sample: usize, motion: &mut Motion<f64>) {
+        let (n, offset, rest) = (tree.dof, tree.position_offset(), model == Model::D0);
+        let q = &self.q[sample * (n + offset)..][..n + offset];
+        let [qd, qdd] = [self.qd, self.qdd].map(|x| &x[sample * n..][..n]);
+        if tree.is_floating() {
+            let base = BaseState::read([q, qd, qdd], tree.constants, f64::recip);
+            motion.base = Some(if rest { base.at_rest(0.0) } else { base });
+        }
+        motion.joints.clear();
+        motion.joints.extend(tree.bodies.iter().map(|body| {
+            let at = body.variable.unwrap_or(0);
+            let qd = if rest { 0.0 } else { qd[at] };
             match body.joint {
-                JointKind::Revolute => JointMotion::revolute(self.q[at], qd, self.qdd[at]),
-                JointKind::Prismatic => JointMotion::prismatic(self.q[at], qd, self.qdd[at]),
-                JointKind::Fixed => JointMotion::prismatic(0.0, 0.0, 0.0),
+                JointKind::Revolute => JointMotion::revolute(q[at + offset], qd, qdd[at]),
+                JointKind::Prismatic => JointMotion::prismatic(q[at + offset], qd, qdd[at]),
+                JointKind::Fixed | JointKind::Floating => JointMotion::prismatic(0.0, 0.0, 0.0),
             }
         }));
+    }
+}
+
+/// How a robot moves in one sample.
+#[derive(Debug, Clone)]
+struct Motion<T> {
+    /// A floating robot's base.
+    base: Option<BaseState<T>>,
+    /// One entry a body.
+    joints: Vec<JointMotion<T>>,
+}
+
+impl<T> Default for Motion<T> {
+    fn default() -> Self {
+        Self {
+            base: None,
+            joints: Vec::new(),
+        }
     }
 }
 
@@ -291,7 +361,7 @@ impl<'a, T: Scalar> Rows<'a, T> {
         }
     }
 
-    fn write(&mut self, model: Model, motion: &[JointMotion<T>], rows: &mut [T]) {
+    fn write(&mut self, model: Model, motion: &Motion<T>, rows: &mut [T]) {
         rows.fill(self.tree.constants.zero);
         let space = self.space;
         match self.choice.take() {
@@ -309,10 +379,15 @@ impl<'a, T: Scalar> Rows<'a, T> {
         }
     }
 
-    fn run(&mut self, model: Model, motion: &[JointMotion<T>], sink: &mut impl Sink<T>) {
+    fn run(&mut self, model: Model, motion: &Motion<T>, sink: &mut impl Sink<T>) {
+        if let Some(base) = &motion.base {
+            self.dynamics.move_base(self.tree, base);
+            self.energy.move_base(self.tree, base);
+        }
+        let joints = &motion.joints;
         match model {
-            Model::D | Model::D0 => dynamics(self.tree, motion, &mut self.dynamics, sink),
-            Model::H => energy(self.tree, motion, &mut self.energy, sink),
+            Model::D | Model::D0 => dynamics(self.tree, joints, &mut self.dynamics, sink),
+            Model::H => energy(self.tree, joints, &mut self.energy, sink),
         }
     }
 }

@@ -6,6 +6,7 @@
 //! * [`Sink`]: where the columns go: dense rows, torques, selected columns.
 //! * [`Regressor`]: all of it for floats, over many samples.
 
+mod base;
 mod batch;
 mod dynamics;
 mod energy;
@@ -15,6 +16,7 @@ mod sink;
 mod tree;
 mod vector;
 
+pub use base::BaseState;
 pub use batch::{Model, Regressor, RegressorError, States};
 pub use dynamics::{DynamicsWorkspace, dynamics};
 pub use energy::{EnergyWorkspace, energy};

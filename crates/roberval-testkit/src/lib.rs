@@ -92,6 +92,7 @@ impl Family {
             rotor: moves && random.uniform(0.0, 1.0) < 0.8,
             geometry: self.geometry(j, random),
             inertia: std::array::from_fn(|_| Some(decimal(random.below(2000) as i64 - 1000, -3))),
+            massless: false,
             limits: None,
             mimic: None,
         }

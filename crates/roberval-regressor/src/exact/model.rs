@@ -6,7 +6,8 @@ use roberval_scalar::{Fp, Modulus, Quantity, SplitMix64};
 use super::angles::{AngleOrder, Angles};
 use super::geometry::{Numbers, Rotation, RowsWorkspace, tree};
 use super::lengths::Lengths;
-use crate::{Body, Constants, JointMotion, Model, Tree};
+use crate::base::{attitude, squared_length};
+use crate::{BaseState, Body, Constants, JointMotion, Model, Tree};
 
 /// A number of the description has no place in this field: try another prime.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -111,10 +112,12 @@ impl<'m> ExactModel<'m> {
 
     /// An upper bound of the degree of a row's entries, denominators cleared, in the
     /// random values: a rotation enters at most three times, twice by `w x w` and once by
-    /// transport, each with degree 2 in its half-angle tangent; velocities add 2.
+    /// transport, each with degree 2 in its half-angle tangent; velocities add 2. A floating
+    /// base's attitude enters once, with gravity, with degree 2 in its quaternion.
     #[must_use]
     pub fn degree(&self) -> usize {
-        6 * (self.tree.dof + self.rotations) + 2
+        let joints = self.tree.bodies.iter().filter(|b| b.variable.is_some());
+        6 * (joints.count() + self.rotations) + 2
     }
 
     /// Fills `rows` (rows of a sample x C) at a random state. Rows of h are not yet
@@ -129,6 +132,9 @@ impl<'m> ExactModel<'m> {
         work: &mut ExactWorkspace<'m>,
         rows: &mut [Fp<'m>],
     ) {
+        if self.tree.is_floating() {
+            work.move_base(&self.tree, &self.base(model, random));
+        }
         let motion = |body: &Body<Fp<'m>>| self.motion(body, model, random);
         work.fill(&self.tree, &self.space, model, motion, rows);
     }
@@ -137,6 +143,33 @@ impl<'m> ExactModel<'m> {
     #[must_use]
     pub fn workspace(&self) -> ExactWorkspace<'m> {
         RowsWorkspace::new(&self.tree)
+    }
+
+    /// A random state of a floating base: the attitude of a random quaternion, of any
+    /// length that has an inverse.
+    fn base(&self, model: Model, random: &mut SplitMix64) -> BaseState<Fp<'m>> {
+        let constants = self.tree.constants;
+        let mut three = || [(); 3].map(|()| self.modulus.random(random));
+        let (position, v, w, dv, dw) = (three(), three(), three(), three(), three());
+        let (quaternion, inverse) = loop {
+            let quaternion = [(); 4].map(|()| self.modulus.random(random));
+            if let Some(inverse) = squared_length(quaternion).inverse() {
+                break (quaternion, inverse);
+            }
+        };
+        let state = BaseState {
+            attitude: attitude(quaternion, inverse, constants),
+            position,
+            v,
+            w,
+            dv,
+            dw,
+        };
+        if model == Model::D0 {
+            state.at_rest(constants.zero)
+        } else {
+            state
+        }
     }
 
     /// A random motion: a rational point of the circle for a revolute joint, in units of
@@ -163,7 +196,7 @@ impl<'m> ExactModel<'m> {
                 break;
             },
             JointKind::Prismatic => q = draw(),
-            JointKind::Fixed => {}
+            JointKind::Fixed | JointKind::Floating => {}
         }
         let qd = if model == Model::D0 { zero } else { draw() };
         JointMotion {

@@ -5,7 +5,7 @@ use roberval_scalar::{DoubleDouble, Quantity};
 
 use super::NotInField;
 use super::geometry::{Numbers, Rotation, RowsWorkspace, tree};
-use crate::{Body, Constants, JointMotion, Model, Tree};
+use crate::{BaseState, Body, Constants, JointMotion, Model, Tree};
 
 /// A robot in double-double arithmetic: gives regressor rows at states near those asked
 /// for.
@@ -42,9 +42,10 @@ impl PreciseModel {
         RowsWorkspace::new(&self.tree)
     }
 
-    /// Fills `rows` (rows of a sample x C, row-major) at the state `q`, `qd`, `qdd` (n
-    /// numbers each). A revolute joint stands at the point of the circle whose half-angle
-    /// tangent is the double next to that of q: exactly on the circle, nearly at q. Rows
+    /// Fills `rows` (rows of a sample x C, row-major) at the state `q`, `qd`, `qdd` (as
+    /// [`crate::States`] has them). A revolute joint stands at the point of the circle whose half-angle
+    /// tangent is the double next to that of q: exactly on the circle, nearly at q; a
+    /// floating base has exactly the attitude of its quaternion, whatever its length. Rows
     /// of h are not yet differences.
     ///
     /// # Panics
@@ -57,9 +58,18 @@ impl PreciseModel {
         rows: &mut [DoubleDouble],
     ) {
         let rest = model == Model::D0;
+        let offset = self.tree.position_offset();
+        if self.tree.is_floating() {
+            let constants = self.tree.constants;
+            let mut base = BaseState::read([q, qd, qdd], constants, |x| DoubleDouble::ONE / x);
+            if rest {
+                base = base.at_rest(constants.zero);
+            }
+            work.move_base(&self.tree, &base);
+        }
         let motion = |body: &Body<DoubleDouble>| match body.variable {
             None => still(),
-            Some(k) => motion(body, q[k], if rest { 0.0 } else { qd[k] }, qdd[k]),
+            Some(k) => motion(body, q[k + offset], if rest { 0.0 } else { qd[k] }, qdd[k]),
         };
         work.fill(&self.tree, &self.space, model, motion, rows);
     }
