@@ -177,12 +177,12 @@ fn link(
         return Err(section.fault(Code::BadName, "name", what));
     }
     let joint = joint_kind(section)?;
-    let moving = joint != JointKind::Fixed;
-    let active = section.boolean("active")?.unwrap_or(moving);
-    let rotor = section.boolean("rotor")?.unwrap_or(active && moving);
+    let driven = joint.has_axis();
+    let active = section.boolean("active")?.unwrap_or(driven);
+    let rotor = section.boolean("rotor")?.unwrap_or(active && driven);
     for (key, value) in [("active", active), ("rotor", rotor)] {
-        if value && !moving {
-            let what = format!("a fixed joint cannot have {key} = true");
+        if value && !driven {
+            let what = format!("a {} joint cannot have {key} = true", joint.name());
             return Err(section.fault(Code::Contradiction, key, what).hint(format!(
                 "leave {key} out, or make the joint revolute or prismatic"
             )));
@@ -197,6 +197,7 @@ fn link(
         joint,
         active,
         rotor,
+        massless: false,
         limits: None,
         mimic: None,
     })
@@ -206,17 +207,13 @@ fn joint_kind(section: &Section) -> Result<JointKind, FormatError> {
     let Some(kind) = section.string("joint")? else {
         return Ok(JointKind::Revolute);
     };
-    match kind {
-        "revolute" => Ok(JointKind::Revolute),
-        "prismatic" => Ok(JointKind::Prismatic),
-        "fixed" => Ok(JointKind::Fixed),
-        other => {
-            let what = format!("unknown joint type {}", quoted(other));
-            Err(section
-                .fault(Code::JointType, "joint", what)
-                .hint("write \"revolute\", \"prismatic\" or \"fixed\""))
-        }
-    }
+    let known = JointKind::ALL.into_iter().find(|k| k.name() == kind);
+    known.ok_or_else(|| {
+        let what = format!("unknown joint type {}", quoted(kind));
+        section
+            .fault(Code::JointType, "joint", what)
+            .hint("write \"revolute\", \"prismatic\", \"fixed\" or, for a base, \"floating\"")
+    })
 }
 
 fn antecedent(section: &Section, previous: Option<&str>) -> Result<Option<String>, FormatError> {
@@ -228,7 +225,7 @@ fn antecedent(section: &Section, previous: Option<&str>) -> Result<Option<String
 }
 
 /// gamma and b default to 0 (a chain has neither), and so does the constant to which the
-/// joint variable is added; the others must be written.
+/// joint variable is added; the others must be written. A floating base needs none.
 fn geometry(
     section: &Section,
     joint: JointKind,
@@ -240,7 +237,7 @@ fn geometry(
     };
     let required = |key: &str, read, default: bool| match section.quantity(key, read, constants)? {
         Some(value) => Ok(value),
-        None if default => Ok(Quantity::zero()),
+        None if default || joint == JointKind::Floating => Ok(Quantity::zero()),
         None => {
             let what = format!("{key} is missing");
             let hint = format!("write {key} = 0 if it is zero");

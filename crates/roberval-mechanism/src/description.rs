@@ -162,7 +162,7 @@ pub enum SourceFormat {
     Urdf,
 }
 
-/// The name of the link that a floating base is where the robot file has none for it.
+/// The name of a floating base for which the robot file has none.
 const FLOATING_BASE: &str = "0";
 
 /// One link and the joint that moves it.
@@ -195,8 +195,9 @@ pub struct LinkDescription {
 }
 
 impl LinkDescription {
-    /// A base that floats, of unknown inertia, its frame where the fixed base's was.
-    fn floating(format: SourceFormat) -> Self {
+    /// A base that floats, named "0" and of unknown inertia.
+    #[must_use]
+    pub fn floating(format: SourceFormat) -> Self {
         let zero = Quantity::zero;
         let geometry = match format {
             SourceFormat::Mdh => Geometry::Mdh(Box::new(MdhGeometry {

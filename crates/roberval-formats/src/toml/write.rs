@@ -1,7 +1,7 @@
 use std::fmt::Write;
 
 use roberval_mechanism::{
-    Geometry, JointKind, LinkDescription, ParameterKind, RobotDescription, SourceFormat,
+    Geometry, LinkDescription, ParameterKind, RobotDescription, SourceFormat,
 };
 use roberval_scalar::Quantity;
 use toml_edit::Value;
@@ -54,9 +54,9 @@ fn link(text: &mut String, link: &LinkDescription) -> Result<(), String> {
             quoted(&link.name)
         ));
     };
-    if link.joint_name.is_some() || link.limits.is_some() || link.mimic.is_some() {
+    if link.joint_name.is_some() || link.limits.is_some() || link.mimic.is_some() || link.massless {
         return Err(format!(
-            "link {}: robot TOML has no joint names, limits or mimic joints",
+            "link {}: robot TOML has no joint names, limits, mimic joints or massless links",
             quoted(&link.name)
         ));
     }
@@ -64,16 +64,11 @@ fn link(text: &mut String, link: &LinkDescription) -> Result<(), String> {
     line(text, "name", &string(&link.name));
     let antecedent = link.antecedent.as_deref().unwrap_or(BASE);
     line(text, "antecedent", &string(antecedent));
-    let (joint, moving) = match link.joint {
-        JointKind::Revolute => ("revolute", true),
-        JointKind::Prismatic => ("prismatic", true),
-        JointKind::Fixed => ("fixed", false),
-    };
-    line(text, "joint", &string(joint));
-    if link.active != moving {
+    line(text, "joint", &string(link.joint.name()));
+    if link.active != link.joint.has_axis() {
         line(text, "active", &link.active.to_string());
     }
-    if link.rotor != (link.active && moving) {
+    if link.rotor != (link.active && link.joint.has_axis()) {
         line(text, "rotor", &link.rotor.to_string());
     }
     for (key, value) in [

@@ -28,8 +28,10 @@ pub(crate) fn json(mechanism: &Mechanism) -> String {
         "counts": {
             "links": mechanism.links.len(),
             "joint_variables": mechanism.dof(),
+            "positions": mechanism.positions(),
             "standard": space.len(),
         },
+        "rows": mechanism.row_names(),
         "constants": constants,
         "geometry": geometry,
         "parameters": robot::parameters(mechanism, &space),
@@ -71,6 +73,7 @@ fn geometry(link: &LinkDescription) -> Value {
     };
     value["active"] = link.active.into();
     value["rotor"] = link.rotor.into();
+    value["massless"] = link.massless.into();
     value["limits"] = json!(link.limits.map(|(lower, upper)| [lower, upper]));
     value["mimic"] = match &link.mimic {
         None => Value::Null,
