@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, arrays, rendering
+from . import _core, arrays, files, rendering
 from .arrays import Array
 from .diagnosis import Diagnosis
 from .errors import DoubtfulRankWarning, MissingPackageError, RobotWarning
@@ -315,6 +317,25 @@ class BaseParameters(Rendered):
             For h (N, b); for one state without the N.
         """
         return self._robot._rows(self.model, self._inner.base, q, qd, qdd, out)
+
+    def to_html(self) -> str:
+        """Return the report as the text of one HTML page; see `report`."""
+        return self._inner.report()
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write a report to look at: one HTML page, offline, for a screen, a phone or paper.
+
+        Parameters
+        ----------
+        path : str or path
+            The file to write; one that exists is replaced.
+
+        Returns
+        -------
+        Path
+            The file, absolute.
+        """
+        return files.write(path, self._inner.report())
 
     def to_frame(self) -> pandas.DataFrame:
         """Return a pandas DataFrame with one row for each standard parameter.

@@ -7,12 +7,12 @@ they add a constant to the energy (Gautier 1991, eq. (11)). At random states of 
 prime and with 768 binary digits, it eliminates the base columns: they must be independent (modulo
 a prime this is a proof), leave nothing of any other column, at fresh states too, and give beta:
 exactly or, where the certificate says "nearest", rounded to the nearest double. Modulo a prime,
-random rotations stand for angles that are no multiples of 2 pi/angle_order. The SHA-256 alone
-guards version, model, seeds, samples, changes, texts of generic angles, rounding error, witnesses.
-Exit code: 0 accepted, 1 refused.
+powers of random rotations stand for multiples of units of angle: exactly if the only one is a
+number (Lindemann). The SHA-256 alone guards version, model, seeds, samples, changes, texts of
+generic angles, rounding error, witnesses. Exit code: 0 accepted, 1 refused, 2 nothing to be read.
 """
 
-# ruff: noqa: B905
+# ruff: noqa: B905, D102, D103
 import ast
 import hashlib
 import json
@@ -23,8 +23,6 @@ from functools import partial
 from math import isqrt, lcm, prod
 from pathlib import Path
 from typing import Any
-
-__all__ = ["check"]
 
 BITS = 768  # binary digits behind the point
 FRESH = 3  # samples that must add nothing before the rank counts as reached
@@ -67,30 +65,28 @@ def value(node: Any, n: Any) -> Any:
             return -value(a, n)
         case ast.BinOp(left=a, op=ast.Add() | ast.Sub() as sign, right=b):
             return value(a, n) + value(b, n) * (1 if isinstance(sign, ast.Add) else -1)
-        case ast.BinOp(left=a, op=ast.Mult(), right=b):
-            return n.reduce(value(a, n) * value(b, n))
-        case ast.BinOp(left=a, op=ast.Div(), right=b):
-            return n.reduce(value(a, n) * n.inverse(value(b, n)))
+        case ast.BinOp(left=a, op=ast.Mult() | ast.Div() as sign, right=b):
+            factor = value(b, n) if isinstance(sign, ast.Mult) else n.inverse(value(b, n))
+            return n.reduce(value(a, n) * factor)
     raise ValueError(f"{node!r} has no place in a number")
 
 
 class Field:
-    """Numbers modulo p; `order` is that of the rotation whose powers are the angles."""
+    """Numbers modulo p; angles are powers of a rotation of this order and of units."""
 
     def __init__(self, p: int, order: int) -> None:
         self.p, self.span, self.one, self.tiny = p, p, 1, 0
         self.eye = ([1, 0, 0], [0, 1, 0], [0, 0, 1])
         self.reduce, self.inverse = p.__rmod__, partial(pow, exp=-1, mod=p)  # x % p, 1/x
         self.order, self.name, self.pi = order, f"modulo {p}", draw(p)
-        self.generic: dict[Any, Rotation] = {}
-        self.rotations, self.needed, self.turn = 0, 120, (1, 0)
+        self.units, self.steps, self.needed, self.turn = {"0": (1, 0)}, 0, 120, (1, 0)
+        quarter = self.turn
         require(order % 120 == 0, f"order {order} has no square roots of 2, 3 and 5")
         small = [q for q in range(1, isqrt(order) + 1) if order % q == 0]
-        divisors = small + [order // q for q in small[1:]]
-        while any(self.power(self.turn, d) == (1, 0) for d in divisors):
+        divisors = [d for q in small for d in (q, order // q) if d < order]
+        while any(self.power(self.turn, d) == (1, 0) for d in divisors) or quarter != (0, 1):
             self.turn = self.power(self.point(), (p + 1) // order)
-        if self.power(self.turn, order // 4) != (0, 1):
-            self.turn = (self.turn[0], -self.turn[1] % p)
+            quarter = self.power(self.turn, order // 4)
         cosine = [self.power(self.turn, order // k)[0] for k in (8, 12, 10)]
         self.roots = {2: 2 * cosine[0], 3: 2 * cosine[1], 5: 4 * cosine[2] - 1}
 
@@ -112,18 +108,13 @@ class Field:
             result = self.compose(result, a) if bit == "1" else result
         return result
 
-    def cos_sin(self, r: str, s: str) -> Rotation:
-        """Take whole steps exactly; a random rotation stands for the rest, mirrored with it."""
-        steps, radians = Fraction(s) * self.order / 2, value(r, REALS)
-        rest = steps if steps.denominator > 1 else Fraction(0)
-        self.needed = lcm(self.needed, 1 if rest else (Fraction(s) / 2).denominator)
-        turn = self.power(self.turn, int(steps - rest) % self.order)
-        if radians == rest == 0:
-            return turn
-        self.rotations, sign = self.rotations + 1, -1 if (radians or rest) < 0 else 1
-        key = (abs(radians) + (1 << 40) >> 64, sign * rest)
-        cos, sin = self.generic.setdefault(key, self.point())
-        return self.compose(turn, (cos, sign * sin))
+    def cos_sin(self, s: str, k: int, unit: str) -> Rotation:
+        """Turn by s half turns, whole steps of the order, and k times by a random rotation."""
+        half = Fraction(s) / 2
+        self.needed, self.steps = lcm(self.needed, half.denominator), self.steps + abs(k)
+        turn = self.power(self.turn, int(half * self.order) % self.order)
+        cos, sin = self.power(self.units.setdefault(unit, self.point()), abs(k))
+        return self.compose(turn, (cos, sin if k > 0 else -sin))
 
 
 class Reals:
@@ -139,13 +130,13 @@ class Reals:
         terms = [(k, 4 * (2 - k % 4) << BITS) for k in range(1, BITS, 2)]
         self.pi = sum(4 * a // (k * 5**k) - a // (k * 239**k) for k, a in terms)
 
-    def cos_sin(self, r: str, s: str) -> Vector:
+    def cos_sin(self, s: str, k: int, unit: str) -> Vector:
         """Sum the exponential series of a 256th of the angle and double that eight times."""
-        x = value(f"{r} + {s}*pi", self) % (2 * self.pi) >> 8
+        x = value(f"{s}*pi + {k}*({unit})", self) % (2 * self.pi) >> 8
         term, sums = self.one, [0, 0]
-        for k in range(160):
-            sums[k % 2] += term if k % 4 < 2 else -term
-            term = (term * x >> BITS) // (k + 1)
+        for n in range(160):
+            sums[n % 2] += term if n % 4 < 2 else -term
+            term = (term * x >> BITS) // (n + 1)
         for _ in range(8):
             sums = [(sums[0] ** 2 - sums[1] ** 2) >> BITS, 2 * sums[0] * sums[1] >> BITS]
         return sums
@@ -175,13 +166,13 @@ def cross(n: Any, a: Vector, b: Vector) -> Vector:
 
 
 def placed(n: Any, steps: list[list[str]]) -> tuple[list[Vector], Vector]:
-    """Return rotation and origin after moves (x, y, z) and turns (axis, r, s) by r + s pi."""
+    """Return rotation and origin after moves x, y, z and turns about an axis by s pi + k unit."""
     rotation, origin = n.eye, [0, 0, 0]
     for kind, *step in steps:
         if kind == "move":
             origin = add(origin, apply(n, rotation, [value(x, n) for x in step]))
             continue
-        (cos, sin), k = n.cos_sin(step[1], step[2]), "xyz".index(step[0])
+        (cos, sin), k = n.cos_sin(*step[1:]), "xyz".index(step[0])
         i, j, turn = (k + 1) % 3, (k + 2) % 3, [[*column] for column in n.eye]
         turn[i][i], turn[i][j], turn[j][i], turn[j][j] = cos, sin, -sin, cos
         rotation = [apply(n, rotation, column) for column in turn]
@@ -262,9 +253,9 @@ def agrees(n: Any, found: int, text: str) -> bool:
 def check(text: str) -> str:
     """Return a line about an accepted certificate, else raise ValueError or what is malformed."""
     cert = json.loads(text)
-    robot, base, order, primes = (cert[key] for key in ("robot", "base", "order", "primes"))
     require(canonical(cert) + "\n" == text and sorted(cert) == KEYS.split(), "not in its form")
     require(cert["format"] == "roberval certificate 1", "this is another format")
+    robot, base, order, primes = (cert[key] for key in ("robot", "base", "order", "primes"))
     for name, part in (("robot_sha256", robot), ("sha256", {**cert, "sha256": ""})):
         digest = hashlib.sha256(canonical(part).encode()).hexdigest()
         require(cert[name] == digest, f"{name} is that of something else: it was changed")
@@ -280,21 +271,30 @@ def check(text: str) -> str:
     require({j for _, j, _ in cert["beta"]} == {*cert["regrouped"]}, "beta has an empty column")
     require(len({*primes}) == len(primes) >= 2, "there are less than two primes")
     for p in primes:
-        require(1 << 61 < p < 1 << 62 and is_prime(p), f"{p} is no prime of 62 bits")
-        require((p + 1) % cert["angle_order"] == 0, f"{p} is of another class")
+        fits = 1 << 61 < p < 1 << 62 and is_prime(p) and (p + 1) % cert["angle_order"] == 0
+        require(fits, f"{p} is no prime of 62 bits, -1 modulo the angles' order")
         eliminate(field := Field(p, cert["angle_order"]), cert, labels)
         require(field.needed == cert["angle_order"], f"the angles' order is {field.needed}")
     eliminate(REALS, cert, labels)
-    degree = 6 * (len(joints) - joints.count("fixed") + field.rotations) + 2
+    degree = 6 * (len(joints) - joints.count("fixed") + field.steps) + 2
     require(cert["degree"] == degree, f"the degree is {degree}")
-    require(len(cert["generic"]) == len(field.generic), "other angles are generic")
+    numbers = sum(not any(map(str.isalpha, unit)) for unit in field.units)  # "0" among them
+    generic = len(field.units) - (2 if numbers == 2 else 1)
+    require(len(cert["generic"]) == generic, f"{generic} angles are generic")
     bits = ((len(base) * degree) ** len(primes)).bit_length() - prod(primes).bit_length() + 1
-    require(cert["failure_log2"] == bits, f"the rank may be too low with probability 2^{bits}")
+    require(cert["failure_log2"] == bits < 0, f"the rank may be too low with probability 2^{bits}")
     return f"accepted: {robot['name']}: {len(base)} base parameters of {len(labels)}"
 
 
 if __name__ == "__main__":
+    code, verdict = 2, f"cannot read {' '.join(sys.argv[1:]) or 'anything'}"
     try:
-        print(check(Path(sys.argv[1]).read_text(encoding="utf-8")))
+        require(len(sys.argv) == 2, "give one file, as in: python check_certificate.py cert.json")
+        text = Path(sys.argv[1]).read_text(encoding="utf-8")
+        require(isinstance(json.loads(text), dict) and '"sha256"' in text, "this is no certificate")
+        code, verdict = 1, "refused"
+        code, verdict = 0, check(text)
     except Exception as error:  # whatever a malformed file leads to
-        sys.exit(f"refused: {error if isinstance(error, ValueError) else repr(error)}")
+        verdict += f": {error if isinstance(error, OSError | ValueError) else repr(error)}"
+    print(verdict, file=sys.stderr if code else sys.stdout)
+    sys.exit(code)

@@ -22,7 +22,7 @@ class Structure:
     failure_probability : float
         An upper bound of the probability that the rank is too low. It is never too high.
     generic : tuple of str
-        Angles that stood for generic ones, as written.
+        Angles with too many digits for a common unit, taken as unrelated; as written.
     """
 
     rank: int

@@ -9,13 +9,13 @@ mod numbers;
 
 use num_bigint::BigUint;
 use roberval_mechanism::{Geometry, LinkDescription, Mechanism};
-use roberval_regressor::Model;
+use roberval_regressor::{AngleOrder, AngleUnits, Model};
 use roberval_scalar::Quantity;
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::{ExactDecision, Witness};
-use numbers::{Constants, coefficient, exact_angle, exact_text};
+use numbers::{Constants, coefficient, exact_text, unit_text};
 
 /// The name of this form of certificate.
 const FORMAT: &str = "roberval certificate 1";
@@ -120,13 +120,14 @@ pub fn certificate_text(certificate: &Value) -> String {
 fn robot(mechanism: &Mechanism) -> Result<Value, CertificateError> {
     let description = &mechanism.description;
     let constants = description.constants.as_slice();
+    let units = AngleUnits::of(mechanism, AngleOrder::of(mechanism));
     let links: Vec<Value> = mechanism
         .links
         .iter()
         .map(|link| {
             let antecedent = link.antecedent.map(|a| mechanism.links[a].name.as_str());
             let written = &description.links[link.in_file];
-            let (placement, axis) = geometry(written, constants)?;
+            let (placement, axis) = geometry(written, constants, &units)?;
             let mut entry = json!({
                 "name": link.name,
                 "antecedent": antecedent,
@@ -148,18 +149,24 @@ fn robot(mechanism: &Mechanism) -> Result<Value, CertificateError> {
     }))
 }
 
-/// Moves `["move", x, y, z]` and turns `["turn", axis, r, s]` by r + s pi, left to right,
-/// from the antecedent's frame to the link's; then the joint axis.
+/// Moves `["move", x, y, z]` and turns `["turn", axis, s, k, unit]` by s pi + k unit, left to
+/// right, from the antecedent's frame to the link's; then the joint axis.
 fn geometry(
     link: &LinkDescription,
     constants: &Constants,
+    units: &AngleUnits<'_>,
 ) -> Result<(Vec<Value>, [String; 3]), CertificateError> {
     let length = |x: &Quantity| exact_text(x, constants);
-    let turn = |axis: &str, x: &Quantity| {
-        let (r, s) = exact_angle(x, constants)?;
-        Ok(json!(["turn", axis, r, s]))
-    };
     let zero = || "0".to_owned();
+    let turn = |axis: &str, x: &Quantity| {
+        let parts = units.parts(x);
+        let (steps, unit) = match parts.multiple {
+            Some((unit, steps)) => (steps, unit_text(&units.units()[unit], constants)?),
+            None => (0, zero()),
+        };
+        let half_turns = parts.half_turns.to_string();
+        Ok(json!(["turn", axis, half_turns, steps, unit]))
+    };
     match &link.geometry {
         Geometry::Mdh(g) => {
             let steps = vec![
@@ -207,7 +214,7 @@ fn beta(decision: &ExactDecision, labels: &[String]) -> Vec<Value> {
 /// bit lengths of both (Schwartz and Zippel: a field misses rank with at most this
 /// probability).
 fn failure_log2(decision: &ExactDecision) -> i64 {
-    let one_field = BigUint::from(decision.kept.len() * decision.degree);
+    let one_field = BigUint::from(decision.kept.len()) * decision.degree;
     let numerator = one_field.pow(decision.primes.len() as u32);
     let denominator: BigUint = decision.primes.iter().product();
     numerator.bits() as i64 - denominator.bits() as i64 + 1

@@ -4,7 +4,7 @@ use roberval_linalg::RankDecision;
 use roberval_mechanism::ParameterSpace;
 
 use crate::engine::Judgement;
-use crate::{Engine, ExactDecision, Literal};
+use crate::{Engine, ExactDecision, Literal, NullspaceDecision};
 
 /// The dropped and the kept part of the spectrum must be this far apart, or the rank is
 /// doubtful: clean geometry shows 1e10 and more.
@@ -54,8 +54,10 @@ pub struct Structure {
     /// b, decided without a tolerance.
     pub rank: usize,
     /// The rank by the parameter nullspace algorithm, which shares no code with the
-    /// regressor: it must be the same.
-    pub nullspace_rank: usize,
+    /// regressor: it must be the same. `None` with constraints, which it does not know.
+    pub nullspace_rank: Option<usize>,
+    /// The tree without its constraints, of a mechanism that has some.
+    pub opened: Option<Opened>,
     /// The primes of the fields that agreed.
     pub primes: Vec<u64>,
     /// The seeds of their random values.
@@ -66,8 +68,28 @@ pub struct Structure {
     pub generic: Vec<String>,
 }
 
+/// The tree that is left where couples are opened, with the same rotors.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Opened {
+    /// Its number of base parameters.
+    pub rank: usize,
+    /// The columns that the paper's choice keeps in the tree and not in the mechanism,
+    /// ascending: what the constraints remove beyond the tree.
+    pub removed: Vec<usize>,
+}
+
+impl Opened {
+    fn of(tree: &NullspaceDecision, exact: &ExactDecision) -> Self {
+        let removed = tree.kept.iter().filter(|c| !exact.kept.contains(c));
+        Self {
+            rank: tree.rank,
+            removed: removed.copied().collect(),
+        }
+    }
+}
+
 /// What a float engine makes of the robot that the exact engine decided.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Witness {
     /// The engine.
     pub engine: Engine,
@@ -78,6 +100,10 @@ pub struct Witness {
     /// The gap of its spectrum at the structural rank; `None` if nothing is on one side
     /// (or, for the staircase, where the spectrum is not in order).
     pub gap_at_structural: Option<f64>,
+    /// What it decides on, nonincreasing.
+    pub spectrum: Vec<f64>,
+    /// Entries of the spectrum at or below it count as zero.
+    pub tolerance: f64,
 }
 
 impl Diagnosis {
@@ -118,10 +144,12 @@ impl Diagnosis {
         }
     }
 
-    /// The diagnosis of an exact decision: the first witness shows its spectrum.
+    /// The diagnosis of an exact decision: the first witness shows its spectrum. `tree` is
+    /// what the nullspace algorithm says of the tree, whose constraints are `opened`.
     pub(crate) fn structural(
         exact: &ExactDecision,
-        nullspace_rank: usize,
+        tree: &NullspaceDecision,
+        opened: bool,
         judgements: &[(Engine, Judgement)],
         literal: Option<Literal>,
         residual: f64,
@@ -146,7 +174,10 @@ impl Diagnosis {
                     .to_owned()
             });
         }
-        if nullspace_rank != rank {
+        let nullspace_rank = (!opened).then_some(tree.rank);
+        if let Some(nullspace_rank) = nullspace_rank
+            && nullspace_rank != rank
+        {
             messages.push(format!(
                 "the parameter nullspace algorithm counts {nullspace_rank} instead of {rank}: please report this robot"
             ));
@@ -177,6 +208,7 @@ impl Diagnosis {
             structure: Some(Structure {
                 rank,
                 nullspace_rank,
+                opened: opened.then(|| Opened::of(tree, exact)),
                 primes: exact.primes.clone(),
                 seeds: exact.seeds.clone(),
                 failure_probability: exact.failure_probability,
@@ -220,6 +252,8 @@ impl Witness {
             rank: decision.rank,
             gap: decision.gap,
             gap_at_structural: gap,
+            spectrum: sorted,
+            tolerance: decision.tolerance,
         }
     }
 
@@ -247,7 +281,8 @@ fn generic_angles(texts: &[String]) -> String {
         ""
     };
     format!(
-        "decided for generic values of the angles {named}{more} (rad), which have no exact cosine"
+        "decided as if the angles {named}{more} (rad) were not related: they have too many digits \
+         for a common unit"
     )
 }
 

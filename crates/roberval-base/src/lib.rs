@@ -21,7 +21,7 @@ mod scaling;
 pub use certificate::{CertificateError, CertificateNotes, certificate, certificate_text};
 pub use choice::Choice;
 pub use compare::{Comparison, Failure, Route, compare};
-pub use diagnosis::{Diagnosis, Structure, Witness};
+pub use diagnosis::{Diagnosis, Opened, Structure, Witness};
 pub use engine::Engine;
 pub use error::BaseError;
 pub use exact::{ExactDecision, ExactError, ExactNumber, decide_exactly};

@@ -118,8 +118,9 @@ fn by_elimination(
     let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
     let witnesses = witnesses(&w, &effect, &options.tolerance)?;
     let literal = literal(mechanism, options.model, base.len(), options.seed)?;
-    let nullspace = nullspace_rank(mechanism, options.seed)?.rank;
-    let diagnosis = Diagnosis::structural(&exact, nullspace, &witnesses, literal, fresh);
+    let tree = nullspace_rank(mechanism, options.seed)?;
+    let opened = mechanism.closure.is_some();
+    let diagnosis = Diagnosis::structural(&exact, &tree, opened, &witnesses, literal, fresh);
     Ok(BaseParameters::new(
         mechanism,
         options,
@@ -194,7 +195,7 @@ pub(crate) fn sample_count(
 ) -> Result<usize, BaseError> {
     let wanted = rows.unwrap_or(at_least);
     check_size(wanted, mechanism.parameters().len())?;
-    let each = model.rows(mechanism.dof());
+    let each = model.rows(mechanism.independent());
     Ok(match (rows, model) {
         (_, Model::H) => wanted + 1, // the first sample is the reference
         (None, _) => wanted.div_ceil(each).max(FEWEST_SAMPLES),

@@ -101,7 +101,7 @@ pub(crate) fn observation_rows(
 ) -> Result<ObservationRows, BaseError> {
     let regressor = Regressor::new(mechanism);
     let width = regressor.parameters().len();
-    let rows = samples.count * model.rows(mechanism.dof());
+    let rows = samples.count * model.rows(mechanism.independent());
     check_size(rows, width)?;
     let mut values = vec![0.0; rows * width];
     let mut magnitudes = vec![0.0; rows * width];
@@ -161,7 +161,11 @@ pub(crate) fn row_weights(mechanism: &Mechanism) -> Vec<f64> {
         Motion::Translation => length,
         Motion::Rotation => 1.0,
     };
-    mechanism.motions().map(weight).collect()
+    mechanism
+        .independent_motions()
+        .into_iter()
+        .map(weight)
+        .collect()
 }
 
 /// The largest size at each place of rows of `width` numbers.

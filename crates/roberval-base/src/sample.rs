@@ -1,10 +1,11 @@
 use std::f64::consts::PI;
 
-use roberval_mechanism::{Mechanism, Motion};
+use roberval_mechanism::{Mechanism, Motion, VariableLaw};
 use roberval_regressor::States;
 use roberval_scalar::SplitMix64;
 
-/// Random states of the robot, N samples, row-major, as [`States`] has them.
+/// Random states of the robot, N samples of the m independent coordinates, row-major, as
+/// [`States`] has them.
 ///
 /// Revolute joints turn anywhere; prismatic ones move by the robot's own length L, and
 /// time runs in units of sqrt(L/g), so that weights and inertia forces are comparable
@@ -30,7 +31,7 @@ impl Samples {
         let mut samples = Self::with_capacity(count * mechanism.positions());
         for _ in 0..count {
             let unit = |_| std::array::from_fn(|_| random.uniform(-1.0, 1.0));
-            let state: Vec<[f64; 3]> = (0..mechanism.dof()).map(unit).collect();
+            let state: Vec<[f64; 3]> = (0..mechanism.independent()).map(unit).collect();
             samples.push(&reaches, &state);
         }
         samples
@@ -74,7 +75,8 @@ impl Samples {
     }
 }
 
-/// The largest (q, qd, qdd) drawn for each coordinate of the velocity.
+/// The largest (q, qd, qdd) drawn for each independent coordinate of the velocity: no joint
+/// that it moves along goes much farther than it would by itself.
 pub(crate) struct Reaches {
     pub each: Vec<[f64; 3]>,
     floating: bool,
@@ -93,8 +95,23 @@ impl Reaches {
             Motion::Translation => [length, rate * length, rate * rate * length],
             Motion::Rotation => [PI, rate, rate * rate],
         };
+        let independent = mechanism.independent_motions().into_iter();
+        let mut each: Vec<_> = independent.map(reach).collect();
+        let laws = mechanism.closure.iter().flat_map(|c| &c.laws);
+        let mut slow = vec![1.0_f64; each.len()];
+        for (motion, law) in mechanism.motions().zip(laws) {
+            if let VariableLaw::Affine(law) = law {
+                for (place, multiplier) in &law.terms {
+                    let moved = multiplier.value.abs() * each[*place][0] / reach(motion)[0];
+                    slow[*place] = slow[*place].max(moved);
+                }
+            }
+        }
+        for (reach, slow) in each.iter_mut().zip(slow) {
+            reach.iter_mut().for_each(|x| *x /= slow);
+        }
         Self {
-            each: mechanism.motions().map(reach).collect(),
+            each,
             floating: mechanism.is_floating(),
         }
     }

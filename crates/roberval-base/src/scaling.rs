@@ -152,7 +152,7 @@ impl Structure {
         let samples = Samples::draw(mechanism, count, !options.seed);
         let rows = observation_rows(mechanism, model, &samples)?;
         let pattern: Vec<bool> = rows
-            .effects(model.rows(mechanism.dof()) * width)
+            .effects(model.rows(mechanism.independent()) * width)
             .into_iter()
             .map(has_effect)
             .collect();

@@ -99,6 +99,9 @@ pub(crate) struct BaseArgs {
     /// without this program
     #[arg(long, value_name = "FILE")]
     pub certificate: Option<PathBuf>,
+    /// Write also a report to look at: one HTML page, offline
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
     #[command(flatten)]
     pub output: OutputArgs,
 }

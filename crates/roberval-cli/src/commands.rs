@@ -54,14 +54,8 @@ fn list(format: Format) -> String {
 
 fn base(args: &BaseArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
     let options = args.method.options(&args.choice)?;
-    let certificate = args.certificate.as_deref();
-    if certificate.is_some_and(|path| path == Path::new("-")) {
-        let what = "--certificate needs a file: the standard output is the result's".to_owned();
-        return Err(CliError::Usage(what));
-    }
-    let certificate = certificate
-        .map(|path| Target::new(Some(path)))
-        .transpose()?;
+    let certificate = beside("--certificate", args.certificate.as_deref())?;
+    let report = beside("--report", args.report.as_deref())?;
     let mut doubts = Vec::new();
     answer(&args.output, out, |format| {
         let mechanism = load(&args.robot.robot, &args.robot.reading)?;
@@ -77,9 +71,22 @@ fn base(args: &BaseArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32
             let text = answer.certificate()?;
             target.write(&mut std::io::sink(), |sink| sink.write_all(text.as_bytes()))?;
         }
+        if let Some(target) = &report {
+            let page = tables::report(&answer);
+            target.write(&mut std::io::sink(), |sink| sink.write_all(page.as_bytes()))?;
+        }
         Ok(tables::base(&answer, format))
     })?;
     Ok(verdict(&doubts, err))
+}
+
+/// The target of a file that is written beside the result.
+fn beside(option: &str, path: Option<&Path>) -> Result<Option<Target>, CliError> {
+    if path.is_some_and(|path| path == Path::new("-")) {
+        let what = format!("{option} needs a file: the standard output is the result's");
+        return Err(CliError::Usage(what));
+    }
+    path.map(|path| Target::new(Some(path))).transpose()
 }
 
 fn clean(args: &CleanArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {

@@ -52,10 +52,10 @@ pub enum Code {
     Contradiction = 211,
     /// An expression uses a name that is not among the constants.
     UnknownConstant = 220,
-    /// Mimic joints that copy each other in a circle.
-    MimicCycle = 230,
-    /// A mimic joint copies a joint that does not exist.
-    MimicUnknown = 231,
+    /// Joints that follow from each other in a circle (mimic joints, couples).
+    CoupleCycle = 230,
+    /// A mimic joint or couple names a joint that does not exist.
+    CoupleUnknown = 231,
     /// A number that is not finite, or an expression without a finite value.
     NotFinite = 240,
     /// A joint axis of length zero.

@@ -260,7 +260,6 @@ fn link(number: usize) -> impl Strategy<Value = LinkDescription> {
                 inertia,
                 limits: None,
                 massless: false,
-                mimic: None,
             }
         },
     )
@@ -282,6 +281,7 @@ fn robot() -> impl Strategy<Value = RobotDescription> {
             gravity: ["0", "-L", "9.810"].map(|t| Quantity::parse_number(t, &constants()).unwrap()),
             constants: constants(),
             links,
+            couples: Vec::new(),
             format: SourceFormat::Mdh,
             warnings: Vec::new(),
         }

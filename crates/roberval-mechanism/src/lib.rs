@@ -4,22 +4,30 @@
 //! * [`clean()`]: the same with rounded angles and dust set right, every change listed.
 //! * [`Mechanism`]: the valid robot with numbers, links in an order in which every
 //!   antecedent comes before its successors.
+//! * [`Couple`]: a joint that follows from others; [`Closure`]: all joints from the
+//!   independent ones.
 //! * [`ParameterSpace`]: the one place that knows the order of the parameters.
 
 mod clean;
+mod closure;
+mod couple;
 mod description;
 mod mechanism;
 mod names;
 mod order;
 mod parameters;
+mod physical;
 mod placement;
 
 pub use clean::{
     Change, CleanMode, CleanPolicy, Cleaned, Field, NearMiss, Unit, apply, clean, revert,
 };
+pub use closure::{AffineLaw, Closure, VariableLaw};
+pub use couple::{Couple, CoupleError, Term};
 pub use description::{
-    Geometry, JointKind, LinkDescription, MdhGeometry, Mimic, Motion, Origin, RobotDescription,
+    Geometry, JointKind, LinkDescription, MdhGeometry, Motion, Origin, RobotDescription,
     SourceFormat, TreeError, find_cycle,
 };
 pub use mechanism::{Cleaning, Link, Mechanism, MechanismError};
 pub use parameters::{ParameterId, ParameterKind, ParameterSpace};
+pub use physical::{Unphysical, unphysical};

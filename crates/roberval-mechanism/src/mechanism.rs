@@ -3,7 +3,10 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::clean::{CleanPolicy, Cleaned, clean};
-use crate::{JointKind, Motion, ParameterSpace, RobotDescription, TreeError, order, placement};
+use crate::{
+    Closure, CoupleError, JointKind, Motion, ParameterSpace, RobotDescription, TreeError, order,
+    placement,
+};
 
 /// A valid robot with numbers: a chain or tree of links, each after its antecedent.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +17,9 @@ pub struct Mechanism {
     pub gravity: Vector3<f64>,
     /// The links in parameter order; a link's antecedent has a smaller index.
     pub links: Vec<Link>,
+    /// How all joint variables follow from the independent ones; `None` where all are
+    /// independent.
+    pub closure: Option<Closure>,
     /// What the numbers were made from: the exact engine reads the literals there.
     pub description: Arc<RobotDescription>,
     /// What was set right before, and the description as it was written; `None` for a
@@ -157,6 +163,9 @@ pub enum MechanismError {
         /// How many links it carries.
         links: usize,
     },
+    /// A couple that cannot be.
+    #[error(transparent)]
+    Couple(#[from] CoupleError),
     /// A number that must be finite is not.
     #[error("link \"{link}\": {field} is {value}, which is not a finite number")]
     NotFinite {
@@ -223,10 +232,12 @@ impl Mechanism {
             .collect::<Result<Vec<_>, _>>()?;
         check_floating(&links)?;
         check_massless(&links)?;
+        let closure = Closure::of(description, &order)?;
         let mechanism = Self {
             name: description.name.clone(),
             gravity,
             links,
+            closure,
             description: Arc::new(description.clone()),
             cleaning: None,
         };
@@ -238,14 +249,14 @@ impl Mechanism {
         Ok(mechanism)
     }
 
-    /// Number of degrees of freedom n: of velocities, accelerations and rows of d. A fixed
-    /// joint has none, a floating base six.
+    /// Number of degrees of freedom n of the tree: a fixed joint has none, a floating base
+    /// six.
     #[must_use]
     pub fn dof(&self) -> usize {
         self.motions().count()
     }
 
-    /// What each coordinate of the velocity measures.
+    /// What the velocity of each of the n variables measures.
     pub fn motions(&self) -> impl Iterator<Item = Motion> {
         let links = self.links.iter();
         links.flat_map(|l| l.joint.motions().iter().copied())
@@ -258,16 +269,48 @@ impl Mechanism {
         first.is_some_and(|l| l.joint == JointKind::Floating)
     }
 
-    /// Number of coordinates of a position q: n, or n + 1 for a floating robot, whose
-    /// attitude is a quaternion.
-    #[must_use]
-    pub fn positions(&self) -> usize {
-        self.dof() + usize::from(self.is_floating())
+    /// The link of each of the n variables, in their order: a floating one stands six times.
+    pub fn moving(&self) -> impl Iterator<Item = &Link> {
+        let links = self.links.iter();
+        links.flat_map(|l| std::iter::repeat_n(l, l.joint.dof()))
     }
 
-    /// The links with a joint variable or, the first of a floating robot, with six.
-    pub fn moving(&self) -> impl Iterator<Item = &Link> {
-        self.links.iter().filter(|l| l.joint != JointKind::Fixed)
+    /// Number of independent joint variables m: those that determine all n.
+    #[must_use]
+    pub fn independent(&self) -> usize {
+        let all = |c: &Closure| c.independent.len();
+        self.closure.as_ref().map_or_else(|| self.dof(), all)
+    }
+
+    /// Number of coordinates of a position: m, or m + 1 for a floating robot, whose attitude
+    /// is a quaternion.
+    #[must_use]
+    pub fn positions(&self) -> usize {
+        self.independent() + usize::from(self.is_floating())
+    }
+
+    /// What the velocity of each of the m independent variables measures.
+    #[must_use]
+    pub fn independent_motions(&self) -> Vec<Motion> {
+        self.of_independent(self.motions().collect())
+    }
+
+    /// The independent ones of what there is for each of the n variables.
+    pub(crate) fn of_independent<T: Clone>(&self, all: Vec<T>) -> Vec<T> {
+        match &self.closure {
+            None => all,
+            Some(closure) => closure
+                .independent
+                .iter()
+                .map(|&v| all[v].clone())
+                .collect(),
+        }
+    }
+
+    /// The links whose joints are independent, in the order of the states and torques.
+    #[must_use]
+    pub fn independent_joints(&self) -> Vec<&Link> {
+        self.of_independent(self.moving().collect())
     }
 
     /// The standard parameters as columns.

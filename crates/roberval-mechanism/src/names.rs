@@ -2,7 +2,7 @@
 
 use crate::{JointKind, Link, Mechanism};
 
-/// Position of a floating base and its attitude, a quaternion whose last number is real.
+/// The position of a floating base and its attitude, a quaternion whose last number is real.
 const POSITIONS: [&str; 7] = ["x", "y", "z", "qx", "qy", "qz", "qw"];
 /// Its velocities.
 const VELOCITIES: [&str; 6] = ["vx", "vy", "vz", "wx", "wy", "wz"];
@@ -10,7 +10,7 @@ const VELOCITIES: [&str; 6] = ["vx", "vy", "vz", "wx", "wy", "wz"];
 const FORCES: [&str; 6] = ["fx", "fy", "fz", "mx", "my", "mz"];
 
 impl Mechanism {
-    /// The coordinates of q: a joint's name (its link's where it has none); a floating
+    /// The independent coordinates of q: a joint's name (its link's where it has none); a floating
     /// link L has `L.x L.y L.z L.qx L.qy L.qz L.qw`.
     #[must_use]
     pub fn position_names(&self) -> Vec<String> {
@@ -30,16 +30,12 @@ impl Mechanism {
     }
 
     fn coordinates(&self, of_floating: &[&str]) -> Vec<String> {
-        let names = |link: &Link| match link.joint {
-            JointKind::Fixed => Vec::new(),
-            JointKind::Floating => {
-                let name = |part: &&str| format!("{}.{part}", link.name);
-                of_floating.iter().map(name).collect()
-            }
-            JointKind::Revolute | JointKind::Prismatic => {
-                vec![link.joint_name.as_ref().unwrap_or(&link.name).clone()]
-            }
-        };
-        self.links.iter().flat_map(names).collect()
+        let floating = self.links.iter().filter(|l| l.joint == JointKind::Floating);
+        let base =
+            floating.flat_map(|l| of_floating.iter().map(move |x| format!("{}.{x}", l.name)));
+        let joints = self.independent_joints().into_iter();
+        let joints = joints.filter(|l| l.joint.has_axis());
+        let name = |l: &Link| l.joint_name.as_ref().unwrap_or(&l.name).clone();
+        base.chain(joints.map(name)).collect()
     }
 }

@@ -161,6 +161,11 @@ impl Answer {
         Ok(tables::base(&self.answer, format))
     }
 
+    /// The report: one HTML page.
+    fn report(&self, py: Python<'_>) -> String {
+        py.detach(|| tables::report(&self.answer))
+    }
+
     /// XR1 = X1 + beta (X2 - XR2).
     fn regrouped_values<'py>(
         &self,

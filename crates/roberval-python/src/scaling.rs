@@ -60,7 +60,7 @@ pub fn search(
         Some(error) => Err(error),
         None => Ok(Scaling {
             positions: mechanism.positions(),
-            dof: mechanism.dof(),
+            dof: mechanism.independent(),
             scaling: result?,
         }),
     }

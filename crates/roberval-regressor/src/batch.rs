@@ -3,8 +3,8 @@ use roberval_scalar::{Magnitude, Scalar};
 
 use crate::sink::SelectedRows;
 use crate::{
-    BaseState, DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion, Sink, Torques, Tree,
-    dynamics, energy,
+    BaseState, DenseRows, DynamicsWorkspace, EnergyWorkspace, Expansion, JointMotion, JointStates,
+    NoValue, Projected, Sink, Torques, Transmission, Tree, dynamics, energy,
 };
 
 /// The three models, each linear in the parameters X.
@@ -33,11 +33,11 @@ impl Model {
         }
     }
 
-    /// Rows a sample gives, for n joints.
+    /// Rows a sample gives, for m independent joints (all n without constraints).
     #[must_use]
-    pub fn rows(self, dof: usize) -> usize {
+    pub fn rows(self, independent: usize) -> usize {
         match self {
-            Self::D | Self::D0 => dof,
+            Self::D | Self::D0 => independent,
             Self::H => 1,
         }
     }
@@ -80,16 +80,26 @@ pub enum RegressorError {
         /// What was found.
         value: f64,
     },
+    /// The constraints have no value at a state.
+    #[error("sample {sample}: {error}")]
+    NoValue {
+        /// Row, from 0.
+        sample: usize,
+        /// What has no value.
+        error: NoValue,
+    },
 }
 
 /// The regressor of a mechanism over float samples.
 ///
-/// States are as [`States`] says. Rows come as (N, n, C) for d and d0, (N, C) for h, in C
-/// order, so that a reshape gives W. The first six rows of a floating robot are the force
-/// and the moment on its base, in the base's frame.
+/// Rows come as (N, m, C) for d (there G' d) and d0, (N, C) for h, in C order, so that a
+/// reshape gives W. m is the number of independent variables: all n, unless couples make
+/// some depend on others. The first six rows of a floating robot are the force and the
+/// moment on its base, in the base's frame.
 #[derive(Debug, Clone)]
 pub struct Regressor {
     tree: Tree<f64>,
+    expansion: Option<Expansion<f64>>,
     space: ParameterSpace,
 }
 
@@ -99,20 +109,28 @@ impl Regressor {
     pub fn new(mechanism: &Mechanism) -> Self {
         Self {
             tree: Tree::of(mechanism),
+            expansion: Expansion::in_floats(mechanism),
             space: mechanism.parameters(),
         }
     }
 
-    /// Number of degrees of freedom n: of velocities and of rows.
+    /// Number of degrees of freedom n of the tree.
     #[must_use]
     pub fn dof(&self) -> usize {
         self.tree.dof
     }
 
-    /// Number of coordinates of q: n, or n + 1 for a floating robot.
+    /// Number of independent variables m: the states' and the rows'.
+    #[must_use]
+    pub fn independent(&self) -> usize {
+        let constrained = self.expansion.as_ref().map(Expansion::independent);
+        constrained.unwrap_or(self.tree.dof)
+    }
+
+    /// Number of coordinates of q: m, or m + 1 for a floating robot.
     #[must_use]
     pub fn positions(&self) -> usize {
-        self.dof() + self.tree.position_offset()
+        self.independent() + usize::from(self.tree.is_floating())
     }
 
     /// The parameters in column order.
@@ -131,15 +149,15 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(&self.tree)?;
+        let samples = states.check(self.positions(), self.independent())?;
         let width = self.space.len();
-        check_out(model, samples, self.dof(), width, out.len())?;
-        let mut motion = Motion::default();
+        check_out(model, samples, self.independent(), width, out.len())?;
+        let mut motions = self.motions(model, states);
         let mut rows = Rows::new(&self.tree, &self.space, None);
-        let size = model.rows(self.dof()) * width;
+        let size = model.rows(self.independent()) * width;
         for (sample, out) in out.chunks_exact_mut(size.max(1)).enumerate() {
-            states.motion(&self.tree, model, sample, &mut motion);
-            rows.write(model, &motion, out);
+            let (motion, transmission) = motions.at(sample)?;
+            rows.write(model, motion, transmission, out);
         }
         Ok(())
     }
@@ -156,14 +174,14 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(&self.tree)?;
-        check_out(model, samples, self.dof(), columns.len(), out.len())?;
-        let mut motion = Motion::default();
+        let samples = states.check(self.positions(), self.independent())?;
+        check_out(model, samples, self.independent(), columns.len(), out.len())?;
+        let mut motions = self.motions(model, states);
         let mut rows = Rows::new(&self.tree, &self.space, Some(columns));
-        let size = model.rows(self.dof()) * columns.len();
+        let size = model.rows(self.independent()) * columns.len();
         for (sample, out) in out.chunks_exact_mut(size.max(1)).enumerate() {
-            states.motion(&self.tree, model, sample, &mut motion);
-            rows.write(model, &motion, out);
+            let (motion, transmission) = motions.at(sample)?;
+            rows.write(model, motion, transmission, out);
         }
         Ok(())
     }
@@ -179,21 +197,23 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(&self.tree)?;
+        let samples = states.check(self.positions(), self.independent())?;
         let width = self.space.len();
-        check_out(model, samples, self.dof(), width, out.len())?;
+        check_out(model, samples, self.independent(), width, out.len())?;
         let tree = self.tree.magnitude();
-        let (mut motion, mut sizes) = (Motion::default(), Motion::default());
+        let mut motions = self.motions(model, states);
+        let mut sizes = Motion::default();
         let mut rows = Rows::new(&tree, &self.space, None);
-        let size = model.rows(self.dof()) * width;
+        let size = model.rows(self.independent()) * width;
         let mut magnitudes = vec![Magnitude::default(); size];
         for (sample, out) in out.chunks_exact_mut(size.max(1)).enumerate() {
-            states.motion(&self.tree, model, sample, &mut motion);
+            let (motion, transmission) = motions.at(sample)?;
             sizes.base = motion.base.as_ref().map(BaseState::magnitude);
             sizes.joints.clear();
             let joints = motion.joints.iter().map(JointMotion::magnitude);
             sizes.joints.extend(joints);
-            rows.write(model, &sizes, &mut magnitudes);
+            let transmission = transmission.map(|g| g.map(Magnitude::of));
+            rows.write(model, &sizes, transmission.as_ref(), &mut magnitudes);
             for (out, magnitude) in out.iter_mut().zip(&magnitudes) {
                 *out = magnitude.value();
             }
@@ -211,29 +231,51 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(&self.tree)?;
+        let samples = states.check(self.positions(), self.independent())?;
         check_length("x", self.space.len(), x.len(), "one number a parameter")?;
-        check_out(Model::D, samples, self.dof(), 1, out.len())?;
-        let mut motion = Motion::default();
+        check_out(Model::D, samples, self.independent(), 1, out.len())?;
+        let mut motions = self.motions(Model::D, states);
         let mut workspace = DynamicsWorkspace::new(&self.tree);
-        for (sample, torques) in out.chunks_exact_mut(self.dof()).enumerate() {
+        for (sample, torques) in out.chunks_exact_mut(self.independent()).enumerate() {
             torques.fill(0.0);
-            states.motion(&self.tree, Model::D, sample, &mut motion);
+            let (motion, transmission) = motions.at(sample)?;
+            if let Some(base) = &motion.base {
+                workspace.move_base(&self.tree, base);
+            }
             let mut sink = Torques {
                 space: &self.space,
                 x,
                 torques,
             };
-            if let Some(base) = &motion.base {
-                workspace.move_base(&self.tree, base);
+            match transmission {
+                None => dynamics(&self.tree, &motion.joints, &mut workspace, &mut sink),
+                Some(transmission) => {
+                    let inner = &mut sink;
+                    let mut sink = Projected {
+                        transmission,
+                        inner,
+                    };
+                    dynamics(&self.tree, &motion.joints, &mut workspace, &mut sink);
+                }
             }
-            dynamics(&self.tree, &motion.joints, &mut workspace, &mut sink);
         }
         Ok(())
     }
+
+    fn motions<'a>(&'a self, model: Model, states: States<'a>) -> Motions<'a> {
+        Motions {
+            tree: &self.tree,
+            expansion: self.expansion.as_ref(),
+            expanded: self.expansion.as_ref().map(Expansion::states),
+            still: vec![0.0; self.independent()],
+            rest: model == Model::D0,
+            states,
+            motion: Motion::default(),
+        }
+    }
 }
 
-/// N states, row-major; n is the number of degrees of freedom.
+/// N states of the m independent variables, row-major.
 ///
 /// Coordinates stand in link order (rad or m, per s, per s^2). Those of a floating robot
 /// begin as Pinocchio's do: q with the base's position and attitude x y z qx qy qz qw, qd
@@ -242,11 +284,11 @@ impl Regressor {
 /// own is `dv + w x v`).
 #[derive(Debug, Clone, Copy)]
 pub struct States<'a> {
-    /// Positions, N x n, or N x (n + 1) for a floating robot.
+    /// Positions, N x m, or N x (m + 1) for a floating robot.
     pub q: &'a [f64],
-    /// Velocities, N x n.
+    /// Velocities, N x m.
     pub qd: &'a [f64],
-    /// Accelerations, N x n (h does not look at them).
+    /// Accelerations, N x m (h does not look at them).
     pub qdd: &'a [f64],
 }
 
@@ -255,14 +297,13 @@ pub struct States<'a> {
 const QUATERNION_ROUNDING: f64 = 1e-2;
 
 impl States<'_> {
-    /// The number of samples N.
-    fn check(&self, tree: &Tree<f64>) -> Result<usize, RegressorError> {
-        let positions = tree.dof + tree.position_offset();
+    /// The number of samples N, for so many coordinates of a position and of a velocity.
+    fn check(&self, positions: usize, velocities: usize) -> Result<usize, RegressorError> {
         let samples = self.q.len() / positions;
         let arrays = [
             ("q", self.q, positions),
-            ("qd", self.qd, tree.dof),
-            ("qdd", self.qdd, tree.dof),
+            ("qd", self.qd, velocities),
+            ("qdd", self.qdd, velocities),
         ];
         for (array, values, width) in arrays {
             let shape = format!("{samples} samples x {width} coordinates");
@@ -276,7 +317,7 @@ impl States<'_> {
                 });
             }
         }
-        if tree.is_floating() {
+        if positions > velocities {
             self.check_quaternions(positions)?;
         }
         Ok(samples)
@@ -292,30 +333,9 @@ impl States<'_> {
         }
         Ok(())
     }
-
-    /// How base and joints move in one sample, into memory that is used again.
-    fn motion(&self, tree: &Tree<f64>, model: Model, sample: usize, motion: &mut Motion<f64>) {
-        let (n, offset, rest) = (tree.dof, tree.position_offset(), model == Model::D0);
-        let q = &self.q[sample * (n + offset)..][..n + offset];
-        let [qd, qdd] = [self.qd, self.qdd].map(|x| &x[sample * n..][..n]);
-        if tree.is_floating() {
-            let base = BaseState::read([q, qd, qdd], tree.constants, f64::recip);
-            motion.base = Some(if rest { base.at_rest(0.0) } else { base });
-        }
-        motion.joints.clear();
-        motion.joints.extend(tree.bodies.iter().map(|body| {
-            let at = body.variable.unwrap_or(0);
-            let qd = if rest { 0.0 } else { qd[at] };
-            match body.joint {
-                JointKind::Revolute => JointMotion::revolute(q[at + offset], qd, qdd[at]),
-                JointKind::Prismatic => JointMotion::prismatic(q[at + offset], qd, qdd[at]),
-                JointKind::Fixed | JointKind::Floating => JointMotion::prismatic(0.0, 0.0, 0.0),
-            }
-        }));
-    }
 }
 
-/// How a robot moves in one sample.
+/// How base and joints move in one sample.
 #[derive(Debug, Clone)]
 struct Motion<T> {
     /// A floating robot's base.
@@ -330,6 +350,62 @@ impl<T> Default for Motion<T> {
             base: None,
             joints: Vec::new(),
         }
+    }
+}
+
+/// How all joints move, sample by sample.
+struct Motions<'a> {
+    tree: &'a Tree<f64>,
+    expansion: Option<&'a Expansion<f64>>,
+    expanded: Option<JointStates<f64>>,
+    /// m zeros.
+    still: Vec<f64>,
+    /// Whether velocities count as zero (d0).
+    rest: bool,
+    states: States<'a>,
+    motion: Motion<f64>,
+}
+
+/// The motion of base and joints, and G of a mechanism with constraints.
+type Moving<'a> = (&'a Motion<f64>, Option<&'a Transmission<f64>>);
+
+impl Motions<'_> {
+    fn at(&mut self, sample: usize) -> Result<Moving<'_>, RegressorError> {
+        let m = self.still.len();
+        let span = sample * m..(sample + 1) * m;
+        let positions = m + usize::from(self.tree.is_floating());
+        let q = &self.states.q[sample * positions..(sample + 1) * positions];
+        let qdd = &self.states.qdd[span.clone()];
+        let qd = if self.rest {
+            &self.still[..]
+        } else {
+            &self.states.qd[span]
+        };
+        if self.tree.is_floating() {
+            let constants = self.tree.constants;
+            self.motion.base = Some(BaseState::read([q, qd, qdd], constants, f64::recip));
+        }
+        let q = self.tree.variables(q);
+        let state = match (self.expansion, &mut self.expanded) {
+            (Some(expansion), Some(expanded)) => {
+                expansion
+                    .expand([q, qd, qdd], expanded)
+                    .map_err(|error| RegressorError::NoValue { sample, error })?;
+                [&expanded.q[..], &expanded.qd, &expanded.qdd]
+            }
+            _ => [q, qd, qdd],
+        };
+        self.motion.joints.clear();
+        let bodies = self.tree.bodies.iter();
+        self.motion.joints.extend(bodies.map(|body| {
+            let [q, qd, qdd] = state.map(|x| body.variable.map_or(0.0, |at| x[at]));
+            match body.joint {
+                JointKind::Revolute => JointMotion::revolute(q, qd, qdd),
+                _ => JointMotion::prismatic(q, qd, qdd),
+            }
+        }));
+        let transmission = self.expanded.as_ref().map(|e| &e.transmission);
+        Ok((&self.motion, transmission))
     }
 }
 
@@ -361,11 +437,18 @@ impl<'a, T: Scalar> Rows<'a, T> {
         }
     }
 
-    fn write(&mut self, model: Model, motion: &Motion<T>, rows: &mut [T]) {
+    /// The rows at a motion: of all joints, or with G of the independent ones.
+    fn write(
+        &mut self,
+        model: Model,
+        motion: &Motion<T>,
+        transmission: Option<&Transmission<T>>,
+        rows: &mut [T],
+    ) {
         rows.fill(self.tree.constants.zero);
         let space = self.space;
         match self.choice.take() {
-            None => self.run(model, motion, &mut DenseRows { space, rows }),
+            None => self.run(model, motion, transmission, &mut DenseRows { space, rows }),
             Some((places, width)) => {
                 let mut sink = SelectedRows {
                     space,
@@ -373,21 +456,34 @@ impl<'a, T: Scalar> Rows<'a, T> {
                     width,
                     rows,
                 };
-                self.run(model, motion, &mut sink);
+                self.run(model, motion, transmission, &mut sink);
                 self.choice = Some((places, width));
             }
         }
     }
 
-    fn run(&mut self, model: Model, motion: &Motion<T>, sink: &mut impl Sink<T>) {
+    fn run(
+        &mut self,
+        model: Model,
+        motion: &Motion<T>,
+        transmission: Option<&Transmission<T>>,
+        sink: &mut impl Sink<T>,
+    ) {
         if let Some(base) = &motion.base {
             self.dynamics.move_base(self.tree, base);
             self.energy.move_base(self.tree, base);
         }
-        let joints = &motion.joints;
-        match model {
-            Model::D | Model::D0 => dynamics(self.tree, joints, &mut self.dynamics, sink),
-            Model::H => energy(self.tree, joints, &mut self.energy, sink),
+        let motion = &motion.joints;
+        match (model, transmission) {
+            (Model::H, _) => energy(self.tree, motion, &mut self.energy, sink),
+            (_, None) => dynamics(self.tree, motion, &mut self.dynamics, sink),
+            (_, Some(transmission)) => {
+                let mut sink = Projected {
+                    transmission,
+                    inner: sink,
+                };
+                dynamics(self.tree, motion, &mut self.dynamics, &mut sink);
+            }
         }
     }
 }

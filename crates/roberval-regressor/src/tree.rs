@@ -79,10 +79,11 @@ impl<T> Tree<T> {
         first.is_some_and(|b| b.joint == JointKind::Floating)
     }
 
-    /// How many places further a joint stands in q than in qd: a floating base has seven
-    /// positions (its attitude is a quaternion) and six velocities.
-    pub(crate) fn position_offset(&self) -> usize {
-        usize::from(self.is_floating())
+    /// Of the coordinates of a position, the one of each variable. A floating base has seven
+    /// coordinates and six variables: all joints stand one place further, and what stands
+    /// in its own six places means nothing.
+    pub(crate) fn variables<'q, S>(&self, q: &'q [S]) -> &'q [S] {
+        &q[usize::from(self.is_floating())..]
     }
 }
 

@@ -12,6 +12,7 @@ mod magnitude;
 mod nearest;
 mod primes;
 mod random;
+mod real;
 mod scalar;
 
 pub use double_double::DoubleDouble;
@@ -25,4 +26,5 @@ pub use magnitude::Magnitude;
 pub use nearest::nearest_double;
 pub use primes::{is_prime, random_prime};
 pub use random::SplitMix64;
+pub use real::Real;
 pub use scalar::Scalar;

@@ -8,6 +8,7 @@
 mod base;
 mod catalogue;
 mod compare;
+mod couples;
 mod document;
 mod escape;
 mod json;
@@ -15,6 +16,7 @@ mod latex;
 mod markdown;
 mod number;
 mod relation;
+mod report;
 mod robot;
 mod scale;
 mod show;
@@ -27,6 +29,9 @@ use roberval_base::{BaseParameters, Comparison, Scaling, ScalingOptions};
 use roberval_mechanism::Mechanism;
 
 use document::Document;
+
+/// The version of the JSON that [`base`] writes.
+pub(crate) const SCHEMA: u32 = 1;
 
 /// The longest line of a text table, in columns of a terminal.
 pub const WIDTH: usize = 100;
@@ -119,6 +124,13 @@ pub fn base(answer: &BaseParameters, format: Format) -> String {
         Format::Csv => base::csv(answer),
         _ => format.prose(&base::document(answer)),
     }
+}
+
+/// The base parameters of a robot as a page to look at: one HTML file, offline, with drawings,
+/// typeset relations, and the CSV, JSON and certificate to save from it.
+#[must_use]
+pub fn report(answer: &BaseParameters) -> String {
+    report::page(answer)
 }
 
 /// A robot as it is understood: links, geometry as written, known inertial parameters.

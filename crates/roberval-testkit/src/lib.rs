@@ -99,6 +99,7 @@ impl Family {
             gravity: gravity(&mut random),
             constants: Vec::new(),
             links,
+            couples: Vec::new(),
             format: self.format,
             warnings: Vec::new(),
         }
@@ -127,7 +128,6 @@ impl Family {
             inertia: std::array::from_fn(|_| Some(decimal(random.below(2000) as i64 - 1000, -3))),
             massless: false,
             limits: None,
-            mimic: None,
         }
     }
 

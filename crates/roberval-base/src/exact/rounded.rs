@@ -3,9 +3,10 @@
 
 use num_integer::Integer;
 use roberval_mechanism::Mechanism;
-use roberval_regressor::{Model, NotInField, PreciseModel};
+use roberval_regressor::{Model, PreciseModel};
 use roberval_scalar::DoubleDouble;
 
+use super::ExactError;
 use super::number::ExactNumber;
 use crate::Samples;
 
@@ -38,7 +39,7 @@ pub(super) fn round_open_entries(
     deleted: &[usize],
     beta: &mut [Vec<ExactNumber>],
     seed: u64,
-) -> Result<f64, NotInField> {
+) -> Result<f64, ExactError> {
     let is_open = |x: &ExactNumber| !x.is_exact();
     let open = |beta: &[Vec<ExactNumber>], j: usize| -> Vec<usize> {
         (0..kept.len()).filter(|&i| is_open(&beta[i][j])).collect()
@@ -80,9 +81,9 @@ fn columns_of_w(
     model: Model,
     rows: usize,
     seed: u64,
-) -> Result<Vec<Vec<DoubleDouble>>, NotInField> {
+) -> Result<Vec<Vec<DoubleDouble>>, ExactError> {
     let precise = PreciseModel::new(mechanism)?;
-    let (n, c) = (mechanism.dof(), mechanism.parameters().len());
+    let (n, c) = (mechanism.independent(), mechanism.parameters().len());
     let per_sample = model.rows(n);
     let count = Integer::div_ceil(&rows, &per_sample) + 1;
     let samples = Samples::draw(mechanism, count, seed);
@@ -94,7 +95,7 @@ fn columns_of_w(
         let [qd, qdd] = [&samples.qd, &samples.qdd].map(|x| &x[k * n..(k + 1) * n]);
         let positions = mechanism.positions();
         let q = &samples.q[k * positions..(k + 1) * positions];
-        precise.fill(model, [q, qd, qdd], &mut work, &mut sample);
+        precise.fill(model, [q, qd, qdd], &mut work, &mut sample)?;
         if model == Model::H && reference.is_none() {
             reference = Some(sample.clone());
             continue;

@@ -25,8 +25,10 @@ pub(crate) struct Run {
     pub beta: Vec<Vec<u64>>,
     /// Angles that stood for generic ones.
     pub generic: Vec<String>,
+    /// Whether all angles are multiples of 2 pi/n.
+    pub algebraic: bool,
     /// Degree of a row's entries in the random values.
-    pub degree: usize,
+    pub degree: u64,
     /// Residues of the square roots of 2 and 3 that the angles mean.
     pub sqrt2: u64,
     pub sqrt3: u64,
@@ -66,7 +68,7 @@ fn eliminate<'m>(
         exact,
         work: exact.workspace(),
         model,
-        values: vec![zero; model.rows(mechanism.dof()) * space.len()],
+        values: vec![zero; model.rows(mechanism.independent()) * space.len()],
         reference: None,
     };
     let mut echelon = Echelon::new(modulus, order.len());
@@ -110,6 +112,7 @@ fn eliminate<'m>(
         kept: kept.iter().map(|&j| order[j]).collect(),
         beta,
         generic: exact.generic().to_vec(),
+        algebraic: exact.is_algebraic(),
         degree: exact.degree(),
         sqrt2: exact.sqrt2().residue(),
         sqrt3: exact.sqrt3().residue(),

@@ -162,10 +162,13 @@ fn names(mechanism: &Mechanism, array: usize) -> HashMap<String, usize> {
     };
     let mut names: HashMap<String, usize> = HashMap::new();
     names.extend((0..own.len()).map(|j| ((j + 1).to_string(), j)));
-    let links = mechanism.moving().filter(|l| l.joint.has_axis());
-    let links: Vec<&String> = links.map(|l| &l.name).collect();
-    let joints = own.len() - links.len()..own.len();
-    names.extend(links.into_iter().cloned().zip(joints));
+    let joints = mechanism.independent_joints().into_iter();
+    let links: Vec<&str> = joints
+        .filter(|l| l.joint.has_axis())
+        .map(|l| l.name.as_str())
+        .collect();
+    let places = own.len() - links.len()..own.len();
+    names.extend(links.into_iter().map(str::to_owned).zip(places));
     names.extend(own.into_iter().zip(0..));
     names
 }

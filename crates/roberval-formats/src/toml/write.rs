@@ -1,7 +1,7 @@
 use std::fmt::Write;
 
 use roberval_mechanism::{
-    Geometry, LinkDescription, ParameterKind, RobotDescription, SourceFormat,
+    Couple, Geometry, LinkDescription, ParameterKind, RobotDescription, SourceFormat, Term,
 };
 use roberval_scalar::Quantity;
 use toml_edit::Value;
@@ -16,7 +16,7 @@ use crate::words::quoted;
 /// # Errors
 /// When the description is no modified Denavit-Hartenberg description (a URDF robot has
 /// frames that its parameters cannot hold), or has what the form cannot hold (joint
-/// names, limits, mimic joints).
+/// names, limits).
 pub fn to_toml(robot: &RobotDescription) -> Result<String, FormatError> {
     let refuse = |what: String| FormatError::new(Code::NotWritable, robot.name.as_str(), what);
     if robot.format != SourceFormat::Mdh {
@@ -30,7 +30,11 @@ pub fn to_toml(robot: &RobotDescription) -> Result<String, FormatError> {
     let mut text = String::new();
     head(&mut text, robot);
     for description in &robot.links {
-        link(&mut text, description).map_err(refuse)?;
+        let dependent = robot.couples.iter().any(|c| c.joint == description.name);
+        link(&mut text, description, dependent).map_err(refuse)?;
+    }
+    for description in &robot.couples {
+        couple(&mut text, description);
     }
     Ok(text)
 }
@@ -47,16 +51,16 @@ fn head(text: &mut String, robot: &RobotDescription) {
     }
 }
 
-fn link(text: &mut String, link: &LinkDescription) -> Result<(), String> {
+fn link(text: &mut String, link: &LinkDescription, dependent: bool) -> Result<(), String> {
     let Geometry::Mdh(geometry) = &link.geometry else {
         return Err(format!(
             "link {} has no modified Denavit-Hartenberg parameters",
             quoted(&link.name)
         ));
     };
-    if link.joint_name.is_some() || link.limits.is_some() || link.mimic.is_some() || link.massless {
+    if link.joint_name.is_some() || link.limits.is_some() || link.massless {
         return Err(format!(
-            "link {}: robot TOML has no joint names, limits, mimic joints or massless links",
+            "link {}: robot TOML has no joint names, limits or massless links",
             quoted(&link.name)
         ));
     }
@@ -65,7 +69,7 @@ fn link(text: &mut String, link: &LinkDescription) -> Result<(), String> {
     let antecedent = link.antecedent.as_deref().unwrap_or(BASE);
     line(text, "antecedent", &string(antecedent));
     line(text, "joint", &string(link.joint.name()));
-    if link.active != link.joint.has_axis() {
+    if link.active != (link.joint.has_axis() && !dependent) {
         line(text, "active", &link.active.to_string());
     }
     if link.rotor != (link.active && link.joint.has_axis()) {
@@ -94,6 +98,15 @@ fn inertia(text: &mut String, link: &LinkDescription) {
     if !entries.is_empty() {
         line(text, "inertia", &format!("{{ {} }}", entries.join(", ")));
     }
+}
+
+fn couple(text: &mut String, couple: &Couple) {
+    let term = |t: &Term| format!("{} = {}", string(&t.joint), number(&t.multiplier));
+    let terms: Vec<String> = couple.terms.iter().map(term).collect();
+    text.push_str("\n[[couple]]\n");
+    line(text, "joint", &string(&couple.joint));
+    line(text, "equals", &format!("{{ {} }}", terms.join(", ")));
+    line(text, "offset", &number(&couple.offset));
 }
 
 fn line(text: &mut String, key: &str, value: &str) {

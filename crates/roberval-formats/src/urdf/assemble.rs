@@ -1,5 +1,5 @@
 use roberval_mechanism::{
-    Geometry, JointKind, LinkDescription, Origin, RobotDescription, SourceFormat,
+    Couple, Geometry, JointKind, LinkDescription, Origin, RobotDescription, SourceFormat, Term,
 };
 use roberval_scalar::Quantity;
 
@@ -66,11 +66,13 @@ pub(super) fn description(
         name,
         gravity: [Quantity::zero(), Quantity::zero(), down],
         constants: Vec::new(),
-        warnings: warnings(links, joints, tree, &described),
+        warnings: warnings(links, joints, &described),
+        couples: couples(links, joints, tree),
         links: described,
         format: SourceFormat::Urdf,
     };
     robot.warnings.extend(suspects::degrees(&robot));
+    robot.warnings.append(&mut source.warnings.borrow_mut());
     Ok(robot)
 }
 
@@ -119,6 +121,23 @@ fn floating_link(link: &Link, inertia: [Option<Quantity>; 11]) -> LinkDescriptio
         inertia,
         ..LinkDescription::floating(SourceFormat::Urdf)
     }
+}
+
+/// The mimic joints, by the links that joints move.
+fn couples(links: &[Link], joints: &[Joint], tree: &Tree) -> Vec<Couple> {
+    let moved = |joint: usize| links[tree.ends[joint].1].name.clone();
+    let couple = |&j: &usize| {
+        let (mimic, copied) = (joints[j].mimic.as_ref()?, tree.copied[j]?);
+        Some(Couple {
+            joint: moved(j),
+            terms: vec![Term {
+                joint: moved(copied),
+                multiplier: mimic.multiplier.clone(),
+            }],
+            offset: mimic.offset.clone(),
+        })
+    };
+    tree.order.iter().filter_map(couple).collect()
 }
 
 /// The link into which a link is lumped (`None`: the base), and the fixed joints on the
@@ -183,17 +202,11 @@ fn link_description(
         },
         inertia,
         limits: joint.limits,
-        mimic: joint.mimic.clone(),
     }
 }
 
 /// What the user should know, one sentence for each kind of remark.
-fn warnings(
-    links: &[Link],
-    joints: &[Joint],
-    tree: &Tree,
-    described: &[LinkDescription],
-) -> Vec<String> {
+fn warnings(links: &[Link], joints: &[Joint], described: &[LinkDescription]) -> Vec<String> {
     let mut warnings = Vec::new();
     if described.iter().all(|l| l.joint == JointKind::Fixed) {
         warnings.push("no joint of the robot moves".to_owned());
@@ -211,14 +224,6 @@ fn warnings(
     warn(
         described
             .iter()
-            .filter(|l| l.joint != JointKind::Fixed && !l.massless && l.inertia[9].is_none())
-            .map(|l| l.name.as_str())
-            .collect(),
-        "links without inertial values",
-    );
-    warn(
-        described
-            .iter()
             .filter(|l| l.inertia[9].as_ref().is_some_and(|mass| mass.value < 0.0))
             .map(|l| l.name.as_str())
             .collect(),
@@ -227,7 +232,7 @@ fn warnings(
     warn(
         links
             .iter()
-            .filter(|l| !l.plausible)
+            .filter(|l| l.unphysical.is_some())
             .map(|l| l.name.as_str())
             .collect(),
         "links with an inertia that no body has",
@@ -235,19 +240,6 @@ fn warnings(
     warn(
         named(&|j| !is_unit(&j.axis)),
         "joints whose axis is not of length 1, normalised",
-    );
-    warn(
-        named(&|j| j.mimic.is_some()),
-        "mimic joints, not applied yet: they move freely",
-    );
-    warn(
-        joints
-            .iter()
-            .zip(&tree.copied)
-            .filter(|(_, copied)| copied.is_some_and(|c| joints[c].kind == JointKind::Fixed))
-            .map(|(j, _)| j.name.as_str())
-            .collect(),
-        "mimic joints that copy a fixed joint",
     );
     warn(
         named(&|j| j.limits.is_some_and(|(lower, upper)| lower > upper)),

@@ -1,3 +1,4 @@
+use roberval_mechanism::{Unphysical, unphysical};
 use roberval_scalar::Quantity;
 
 use super::joint::origin;
@@ -11,8 +12,8 @@ pub(super) struct Link {
     pub offset: usize,
     /// About the origin of the link's frame and in that frame.
     pub inertia: Option<Inertia>,
-    /// Whether some body could have the inertia.
-    pub plausible: bool,
+    /// Why no body could have the inertia.
+    pub unphysical: Option<Unphysical>,
 }
 
 impl Named for Link {
@@ -27,7 +28,7 @@ impl Link {
             name: name.to_owned(),
             offset: element.offset(),
             inertia: None,
-            plausible: true,
+            unphysical: None,
         };
         let Some(inertial) = element.child("inertial")? else {
             return Ok(link);
@@ -52,7 +53,7 @@ impl Link {
             *moment = value.value;
         }
         let central = Inertia::central(mass.value, moments);
-        link.plausible = central.is_plausible();
+        link.unphysical = unphysical(central.mass, &central.tensor);
         link.inertia = Some(central.placed(&origin(&inertial, name)?));
         Ok(link)
     }

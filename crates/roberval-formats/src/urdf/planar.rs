@@ -23,7 +23,6 @@ pub(super) fn chain(link: LinkDescription, normal: &Axis) -> [LinkDescription; 3
         geometry: Geometry::Placed { origins, axis },
         inertia: Default::default(),
         limits: None,
-        mimic: None,
     };
     let x = slide("x", link.antecedent.clone(), origins, u);
     let y = slide("y", Some(x.name.clone()), Vec::new(), v);

@@ -215,26 +215,18 @@ pub const ROBOTS: &[Row] = &[
         &["joint \"j\"", "type"],
     ),
     (
-        "floating joint",
-        "<joint name='j' type='floating'><parent link='a'/><child link='b'/></joint>",
+        "floating joint on a link that moves",
+        "<joint name='i' type='planar'><parent link='a'/><child link='b'/></joint>\
+        <link name='c'/>\n\
+        <joint name='j' type='floating'><parent link='b'/><child link='c'/></joint>",
         "E210",
-        &[
-            "r.urdf:4:17",
-            "joint \"j\"",
-            "floating joints are not supported yet",
-        ],
-    ),
-    (
-        "planar joint",
-        "<joint name='j' type='planar'><parent link='a'/><child link='b'/></joint>",
-        "E210",
-        &["planar", "not supported yet"],
+        &["r.urdf:5:1", "joint \"j\"", "can only be the root link's"],
     ),
     (
         "ball joint",
         "<joint name='j' type='ball'><parent link='a'/><child link='b'/></joint>",
         "E210",
-        &["\"ball\"", "supported"],
+        &["\"ball\"", "floating or planar"],
     ),
     (
         "misspelt type",
@@ -338,8 +330,14 @@ pub const ROBOTS: &[Row] = &[
         &["decimal point"],
     ),
     (
-        "xyz with commas",
-        "<joint name='j' type='fixed'><parent link='a'/><child link='b'/><origin xyz='0, 1, 0'/></joint>",
+        "xyz with commas alone",
+        "<joint name='j' type='fixed'><parent link='a'/><child link='b'/><origin xyz='0,1,0'/></joint>",
+        "E105",
+        &["origin xyz"],
+    ),
+    (
+        "mass with a comma",
+        "<link name='c'><inertial><mass value='1,'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>",
         "E105",
         &["leave the comma out"],
     ),
@@ -404,10 +402,10 @@ pub const ROBOTS: &[Row] = &[
         &["origin rpy", "2 found"],
     ),
     (
-        "two origins",
-        "<joint name='j' type='fixed'><parent link='a'/><child link='b'/><origin/><origin/></joint>",
+        "two axes",
+        "<joint name='j' type='revolute'><parent link='a'/><child link='b'/><axis xyz='1 0 0'/><axis xyz='0 1 0'/></joint>",
         "E202",
-        &["a second <origin>"],
+        &["a second <axis>"],
     ),
     (
         "quaternion",

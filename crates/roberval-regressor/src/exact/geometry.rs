@@ -6,11 +6,12 @@ use roberval_mechanism::{
 };
 use roberval_scalar::{Quantity, Scalar};
 
+use super::closure::coupled;
 use crate::tree::next_variable;
 use crate::vector::{Mat3, Vec3, add, apply, dot, product, scale};
 use crate::{
     BaseState, Body, Constants, DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion, Model,
-    Tree, dynamics, energy,
+    Projected, Transmission, Tree, dynamics, energy,
 };
 
 /// Cosine and sine.
@@ -25,6 +26,12 @@ pub(crate) trait Numbers {
     fn rotation(&mut self, angle: &Quantity) -> Result<Rotation<Self::Number>, Self::Error>;
     /// A length, a component of an axis or of gravity.
     fn value(&mut self, quantity: &Quantity) -> Result<Self::Number, Self::Error>;
+    /// 1/|a| of an axis as written, whose squared length is `squared`.
+    fn inverse_length(
+        &mut self,
+        axis: &[Quantity; 3],
+        squared: Self::Number,
+    ) -> Result<Self::Number, Self::Error>;
 }
 
 /// The mechanism in these numbers.
@@ -35,12 +42,17 @@ pub(crate) fn tree<N: Numbers>(
     let description = &mechanism.description;
     let constants = numbers.constants();
     let mut build = Builder { numbers, constants };
+    let coupled = coupled(mechanism);
     let mut dof = 0;
     let mut bodies = Vec::with_capacity(mechanism.links.len());
     for link in &mechanism.links {
         let variable = next_variable(link.joint, &mut dof);
         let written = &description.links[link.in_file];
-        bodies.push(build.body(written, link.antecedent, variable)?);
+        let mut body = build.body(written, link.antecedent, variable)?;
+        if variable.is_some_and(|v| coupled[v]) {
+            build.normalise(written, &mut body)?;
+        }
+        bodies.push(body);
     }
     let gravity = build.vector(&description.gravity)?;
     Ok(Tree {
@@ -88,6 +100,20 @@ impl<N: Numbers> Builder<'_, N> {
             axis,
             axis_squared: dot(axis, axis),
         })
+    }
+
+    /// Gives the joint of a body an axis of length 1.
+    fn normalise(
+        &mut self,
+        link: &LinkDescription,
+        body: &mut Body<N::Number>,
+    ) -> Result<(), N::Error> {
+        if let Geometry::Placed { axis, .. } = &link.geometry {
+            let inverse = self.numbers.inverse_length(axis, body.axis_squared)?;
+            body.axis = scale(body.axis, inverse);
+            body.axis_squared = self.constants.one;
+        }
+        Ok(())
     }
 
     /// Rot(z, gamma) Trans(z, b) Rot(x, alpha) Trans(x, d) Rot(z, theta) Trans(z, r).
@@ -164,23 +190,32 @@ impl<T: Scalar> RowsWorkspace<T> {
         self.energy.move_base(tree, base);
     }
 
-    /// The model's rows (rows of a sample x C) of bodies that move as `motion` says.
-    /// Rows of h are not yet differences.
+    /// The model's rows (rows of a sample x C) of bodies that move as `motion` says; with
+    /// G, those of the independent joints. Rows of h are not yet differences.
     pub(crate) fn fill(
         &mut self,
         tree: &Tree<T>,
         space: &ParameterSpace,
         model: Model,
         motion: impl FnMut(&Body<T>) -> JointMotion<T>,
+        transmission: Option<&Transmission<T>>,
         rows: &mut [T],
     ) {
         rows.fill(tree.constants.zero);
         self.motion.clear();
         self.motion.extend(tree.bodies.iter().map(motion));
         let mut sink = DenseRows { space, rows };
-        match model {
-            Model::D | Model::D0 => dynamics(tree, &self.motion, &mut self.dynamics, &mut sink),
-            Model::H => energy(tree, &self.motion, &mut self.energy, &mut sink),
+        match (model, transmission) {
+            (Model::H, _) => energy(tree, &self.motion, &mut self.energy, &mut sink),
+            (_, None) => dynamics(tree, &self.motion, &mut self.dynamics, &mut sink),
+            (_, Some(transmission)) => {
+                let inner = &mut sink;
+                let mut sink = Projected {
+                    transmission,
+                    inner,
+                };
+                dynamics(tree, &self.motion, &mut self.dynamics, &mut sink);
+            }
         }
     }
 }

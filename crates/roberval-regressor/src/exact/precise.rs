@@ -1,17 +1,18 @@
 //! The recursion in pairs of doubles: the robot as written, to about 100 bits.
 
 use roberval_mechanism::{JointKind, Mechanism, ParameterSpace};
-use roberval_scalar::{DoubleDouble, Quantity};
+use roberval_scalar::{DoubleDouble, Quantity, Real};
 
 use super::NotInField;
 use super::geometry::{Numbers, Rotation, RowsWorkspace, tree};
-use crate::{BaseState, Body, Constants, JointMotion, Model, Tree};
+use crate::{BaseState, Body, Constants, Expansion, JointMotion, Model, NoValue, Tree};
 
 /// A robot in double-double arithmetic: gives regressor rows at states near those asked
 /// for.
 #[derive(Debug, Clone)]
 pub struct PreciseModel {
     tree: Tree<DoubleDouble>,
+    expansion: Option<Expansion<DoubleDouble>>,
     space: ParameterSpace,
 }
 
@@ -26,6 +27,7 @@ impl PreciseModel {
         };
         Ok(Self {
             tree: tree(mechanism, &mut numbers)?,
+            expansion: Expansion::of(mechanism).map_err(|_| NotInField::Inverse)?,
             space: mechanism.parameters(),
         })
     }
@@ -42,11 +44,14 @@ impl PreciseModel {
         RowsWorkspace::new(&self.tree)
     }
 
-    /// Fills `rows` (rows of a sample x C, row-major) at the state `q`, `qd`, `qdd` (as
-    /// [`crate::States`] has them). A revolute joint stands at the point of the circle whose half-angle
-    /// tangent is the double next to that of q: exactly on the circle, nearly at q; a
-    /// floating base has exactly the attitude of its quaternion, whatever its length. Rows
-    /// of h are not yet differences.
+    /// Fills `rows` (rows of a sample x C, row-major) at the state `q`, `qd`, `qdd` of the
+    /// independent joints (as [`crate::States`] has them). Without constraints a revolute
+    /// joint stands at the point of the circle whose half-angle tangent is the double next to
+    /// that of q: exactly on the circle, nearly at q; a floating base has the attitude of its
+    /// quaternion, whatever its length. Rows of h are not yet differences.
+    ///
+    /// # Errors
+    /// [`NoValue`] if the constraints have no value at this state.
     ///
     /// # Panics
     /// If a slice does not have its size.
@@ -56,9 +61,8 @@ impl PreciseModel {
         [q, qd, qdd]: [&[f64]; 3],
         work: &mut RowsWorkspace<DoubleDouble>,
         rows: &mut [DoubleDouble],
-    ) {
+    ) -> Result<(), NoValue> {
         let rest = model == Model::D0;
-        let offset = self.tree.position_offset();
         if self.tree.is_floating() {
             let constants = self.tree.constants;
             let mut base = BaseState::read([q, qd, qdd], constants, |x| DoubleDouble::ONE / x);
@@ -67,11 +71,31 @@ impl PreciseModel {
             }
             work.move_base(&self.tree, &base);
         }
+        let q = self.tree.variables(q);
+        if let Some(expansion) = &self.expansion {
+            let exact = |x: &[f64]| x.iter().map(|&x| x.into()).collect::<Vec<DoubleDouble>>();
+            let velocities = if rest {
+                vec![0.0; qd.len()]
+            } else {
+                qd.to_vec()
+            };
+            let state = [exact(q), exact(&velocities), exact(qdd)];
+            let mut all = expansion.states();
+            expansion.expand(state.each_ref().map(|x| &x[..]), &mut all)?;
+            let motion = |body: &Body<DoubleDouble>| match body.variable {
+                None => still(),
+                Some(k) => precise_motion(body, [all.q[k], all.qd[k], all.qdd[k]]),
+            };
+            let transmission = Some(&all.transmission);
+            work.fill(&self.tree, &self.space, model, motion, transmission, rows);
+            return Ok(());
+        }
         let motion = |body: &Body<DoubleDouble>| match body.variable {
             None => still(),
-            Some(k) => motion(body, q[k + offset], if rest { 0.0 } else { qd[k] }, qdd[k]),
+            Some(k) => motion(body, q[k], if rest { 0.0 } else { qd[k] }, qdd[k]),
         };
-        work.fill(&self.tree, &self.space, model, motion, rows);
+        work.fill(&self.tree, &self.space, model, motion, None, rows);
+        Ok(())
     }
 }
 
@@ -108,6 +132,28 @@ fn motion(body: &Body<DoubleDouble>, q: f64, qd: f64, qdd: f64) -> JointMotion<D
     motion
 }
 
+/// The same from positions in pairs of doubles.
+fn precise_motion(
+    body: &Body<DoubleDouble>,
+    [q, qd, qdd]: [DoubleDouble; 3],
+) -> JointMotion<DoubleDouble> {
+    let length = body.axis_squared.sqrt();
+    let mut motion = JointMotion {
+        qd: qd / length,
+        qdd: qdd / length,
+        ..still()
+    };
+    if body.joint == JointKind::Prismatic {
+        motion.q = q / length;
+        return motion;
+    }
+    let (cos, sin) = Real::cos_sin(q);
+    motion.cos = cos;
+    motion.sin = sin / length;
+    motion.versine = (DoubleDouble::ONE - cos) / body.axis_squared;
+    motion
+}
+
 /// Literals as pairs of doubles.
 struct Pairs<'d> {
     constants: &'d [(String, Quantity)],
@@ -131,5 +177,13 @@ impl Numbers for Pairs<'_> {
 
     fn value(&mut self, quantity: &Quantity) -> Result<DoubleDouble, NotInField> {
         DoubleDouble::of_expr(&quantity.expr, self.constants).ok_or(NotInField::Inverse)
+    }
+
+    fn inverse_length(
+        &mut self,
+        _: &[Quantity; 3],
+        squared: DoubleDouble,
+    ) -> Result<DoubleDouble, NotInField> {
+        Ok(DoubleDouble::ONE / squared.sqrt())
     }
 }
