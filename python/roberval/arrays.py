@@ -41,9 +41,7 @@ class States(NamedTuple):
     lead: tuple[int, ...]
 
 
-def states(
-    q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike, nq: int, n: int
-) -> States:
+def states(q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike, nq: int, n: int) -> States:
     """Return q, (nq,) or (N, nq), qd and qdd, (n,) or (N, n)."""
     arrays = [numbers("q", q), numbers("qd", qd), numbers("qdd", qdd)]
     joints = f"{n} moving joints" if nq == n else f"{n - 6} moving joints and a floating base"

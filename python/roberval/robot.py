@@ -13,6 +13,7 @@ import numpy.typing as npt
 from . import _core, arrays, mdh, rendering
 from .arrays import Array
 from .base import BaseParameters, Comparison, analyse
+from .conventions import Order, ParameterOrder
 from .errors import OptionError, RobervalError, RobotWarning, ShapeError
 from .options import Choice, Engine, Model, Number, Reading, Snap, options, reading
 from .rendering import Rendered
@@ -251,17 +252,17 @@ class Robot(Rendered):
 
     @property
     def positions(self) -> tuple[str, ...]:
-        """Names of the entries of q: joints; ``L.x L.y L.z L.qx L.qy L.qz L.qw`` of a floating L."""
+        """Names of the entries of q: joints; ``L.x L.y L.z L.qx L.qy L.qz L.qw`` if L floats."""
         return tuple(self._inner.coordinates[0])
 
     @property
     def velocities(self) -> tuple[str, ...]:
-        """Names of the entries of qd and qdd: joints; ``L.vx`` to ``L.wz`` of a floating link L."""
+        """Names of the entries of qd and qdd: joints; ``L.vx`` to ``L.wz`` if a link L floats."""
         return tuple(self._inner.coordinates[1])
 
     @property
     def rows(self) -> tuple[str, ...]:
-        """Names of the rows of d: joints; force and moment ``L.fx`` to ``L.mz`` on a floating L."""
+        """Names of the rows of d: joints; force and moment ``L.fx`` to ``L.mz`` if a link L floats."""
         return tuple(self._inner.coordinates[2])
 
     @property

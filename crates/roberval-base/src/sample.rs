@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
-use roberval_mechanism::{Mechanism, Motion, VariableLaw};
-use roberval_regressor::States;
+use roberval_mechanism::{JointKind, Mechanism, Motion, VariableLaw};
+use roberval_regressor::{CouplePowers, States};
 use roberval_scalar::SplitMix64;
 
 /// Random states of the robot, N samples of the m independent coordinates, row-major, as
@@ -75,8 +75,13 @@ impl Samples {
     }
 }
 
-/// The largest (q, qd, qdd) drawn for each independent coordinate of the velocity: no joint
-/// that it moves along goes much farther than it would by itself.
+/// A joint that others follow at half its angle is drawn over two turns, and so on up to
+/// here: then all of them turn anywhere.
+const MOST_TURNS: i64 = 60;
+
+/// The largest (q, qd, qdd) drawn for each independent coordinate of the velocity: those that
+/// follow it are not much faster, and slides go not much farther, than they would by
+/// themselves.
 pub(crate) struct Reaches {
     pub each: Vec<[f64; 3]>,
     floating: bool,
@@ -97,23 +102,42 @@ impl Reaches {
         };
         let independent = mechanism.independent_motions().into_iter();
         let mut each: Vec<_> = independent.map(reach).collect();
-        let laws = mechanism.closure.iter().flat_map(|c| &c.laws);
-        let mut slow = vec![1.0_f64; each.len()];
-        for (motion, law) in mechanism.motions().zip(laws) {
-            if let VariableLaw::Affine(law) = law {
-                for (place, multiplier) in &law.terms {
-                    let moved = multiplier.value.abs() * each[*place][0] / reach(motion)[0];
-                    slow[*place] = slow[*place].max(moved);
-                }
-            }
-        }
-        for (reach, slow) in each.iter_mut().zip(slow) {
-            reach.iter_mut().for_each(|x| *x /= slow);
-        }
+        follow(mechanism, reach, &mut each);
         Self {
             each,
             floating: mechanism.is_floating(),
         }
+    }
+}
+
+/// Sets coordinates that others follow to where and how fast these can go.
+fn follow(mechanism: &Mechanism, reach: impl Fn(Motion) -> [f64; 3], reaches: &mut [[f64; 3]]) {
+    let joints = mechanism.independent_joints();
+    let laws = mechanism.closure.iter().flat_map(|c| &c.laws);
+    let roots = CouplePowers::of(mechanism).map_or_else(Vec::new, |p| p.roots);
+    let mut slow = vec![[1.0_f64; 2]; reaches.len()];
+    for ((reach, root), link) in reaches.iter_mut().zip(roots).zip(&joints) {
+        if link.joint == JointKind::Revolute {
+            reach[0] *= root.min(MOST_TURNS) as f64;
+        }
+    }
+    for (motion, law) in mechanism.motions().zip(laws) {
+        if let VariableLaw::Affine(law) = law {
+            for (place, multiplier) in &law.terms {
+                let faster = multiplier.value.abs() * reaches[*place][1] / reach(motion)[1];
+                let [far, fast] = &mut slow[*place];
+                *fast = fast.max(faster);
+                if motion == Motion::Translation {
+                    let farther = multiplier.value.abs() * reaches[*place][0];
+                    *far = far.max(farther / reach(motion)[0]);
+                }
+            }
+        }
+    }
+    for (reach, [far, fast]) in reaches.iter_mut().zip(slow) {
+        reach[0] /= far;
+        reach[1] /= fast;
+        reach[2] /= fast;
     }
 }
 

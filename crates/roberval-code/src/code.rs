@@ -37,7 +37,7 @@ pub struct Code {
     pub what: What,
     /// The robot's name as in its file.
     pub robot: String,
-    /// Names of the joint variables: the link that each moves, and whether by turning.
+    /// The independent joint variables: the link that each moves, and whether by turning.
     pub joints: Vec<(String, JointKind)>,
     /// Names of the parameters it takes, or of the columns it gives.
     pub parameters: Vec<String>,
@@ -74,13 +74,21 @@ impl Code {
             .links
             .iter()
             .filter(|l| l.joint != JointKind::Fixed);
-        let joints: Vec<_> = moving.map(|l| (l.name.clone(), l.joint)).collect();
+        let moving: Vec<_> = moving.map(|l| (l.name.clone(), l.joint)).collect();
         if request.friction {
-            let names = joints
+            let names = moving
                 .iter()
                 .flat_map(|(name, _)| ["Fv", "Fc"].map(|f| format!("{f}_{name}")));
             parameters.extend(names);
         }
+        let joints = match &mechanism.closure {
+            None => moving,
+            Some(closure) => closure
+                .independent
+                .iter()
+                .map(|&i| moving[i].clone())
+                .collect(),
+        };
         Ok(Self {
             what,
             robot: mechanism.name.clone(),

@@ -85,12 +85,6 @@ impl Graph {
         self.link.set(link as u32);
     }
 
-    /// The number of nodes.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.nodes.borrow().len()
-    }
-
     /// The nodes, operands first, and their links.
     #[must_use]
     pub fn into_nodes(self) -> (Vec<Op>, Vec<u32>) {

@@ -17,6 +17,7 @@ use crate::source::{Source, check_size, stem};
 use crate::suspects;
 use crate::words::{nearest, quoted};
 pub use clean::clean_toml;
+pub(crate) use clean::{change_key, with_spans};
 use section::Section;
 pub use write::to_toml;
 

@@ -106,7 +106,7 @@ fn joints_keep_their_kind_limits_and_mimic() {
 }
 
 #[test]
-fn warnings_say_what_is_missing_and_what_is_not_applied() {
+fn warnings_say_what_is_odd() {
     let robot = read(SMALL, LUMPED);
     assert_eq!(robot.warnings, [""; 0]);
     let none = read("<robot name='r'><link name='a'/></robot>", LUMPED);

@@ -10,6 +10,7 @@
 
 mod clean;
 mod closure;
+mod conventions;
 mod couple;
 mod description;
 mod mechanism;
@@ -23,6 +24,7 @@ pub use clean::{
     Change, CleanMode, CleanPolicy, Cleaned, Field, NearMiss, Unit, apply, clean, revert,
 };
 pub use closure::{AffineLaw, Closure, VariableLaw};
+pub use conventions::{Central, Convention};
 pub use couple::{Couple, CoupleError, Term};
 pub use description::{
     Geometry, JointKind, LinkDescription, MdhGeometry, Motion, Origin, RobotDescription,

@@ -21,3 +21,4 @@ pub(crate) use decision::structural_rank;
 pub use decision::{ExactDecision, ExactError, decide_exactly};
 pub(crate) use field::in_some_field;
 pub use number::ExactNumber;
+pub use run::{Run, eliminate};

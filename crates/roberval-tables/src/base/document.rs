@@ -3,7 +3,7 @@ use roberval_mechanism::ParameterKind;
 
 use super::{Class, rounded_values};
 use crate::couples;
-use crate::document::{Block, Column, Document, Item, Table};
+use crate::document::{Block, Column, Document, Item, Table, Tint};
 use crate::number::{scientific, shortest, size};
 use crate::relation::{self, Label};
 use crate::robot;
@@ -206,7 +206,11 @@ fn classification(answer: &BaseParameters) -> Document {
         let first = answer.parameters.first_column(j);
         let classes = &classes[first..first + link.columns()];
         let mut row = vec![Item::text(&link.name)];
-        row.extend((0..11).map(|k| Item::text(classes.get(k).map_or("", |c| c.mark()))));
+        row.extend((0..11).map(|k| {
+            classes
+                .get(k)
+                .map_or(Item::text(""), |c| Item::Mark(c.mark(), tint(*c)))
+        }));
         row.push(Item::Number(
             classes.iter().filter(|c| kept(c)).count().to_string(),
         ));
@@ -223,6 +227,15 @@ fn classification(answer: &BaseParameters) -> Document {
             folded: false,
         }),
     ]
+}
+
+fn tint(class: Class) -> Tint {
+    match class {
+        Class::NoEffect => Tint::Faint,
+        Class::Unchanged => Tint::Keep,
+        Class::RegroupedInto => Tint::Into,
+        Class::Regrouped => Tint::Away,
+    }
 }
 
 /// Table V: the relations and what stays out of them.
