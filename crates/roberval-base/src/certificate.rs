@@ -251,6 +251,14 @@ fn witness(witness: &Witness) -> Value {
     })
 }
 
+/// The SHA-256 of what the analysis depends on in a robot: a certificate's `robot_sha256`.
+///
+/// # Errors
+/// [`CertificateError::TooLong`] if a number is too long to be written.
+pub fn robot_sha256(mechanism: &Mechanism) -> Result<String, CertificateError> {
+    Ok(sha256(&robot(mechanism)?))
+}
+
 fn sha256(value: &Value) -> String {
     let digest = Sha256::digest(sorted(value.clone()).to_string());
     digest.iter().map(|byte| format!("{byte:02x}")).collect()

@@ -26,8 +26,13 @@ pub enum CodeError {
     #[error("friction is a part of tau only, not of {}", .0.name())]
     Friction(What),
     /// The base floats.
-    #[error("there is no code for a base that floats yet: leave the base fixed")]
+    #[error("code is written for a base that stands still, not for one that floats")]
     Floating,
+    /// The robot's passive joints are found by iteration.
+    #[error(
+        "code is written for chains, trees and couples, not for loops given by cut joints: give the passive joints as couples"
+    )]
+    Loops,
 }
 
 /// Straight-line code of one model of a robot.
@@ -61,6 +66,9 @@ impl Code {
         }
         if mechanism.is_floating() {
             return Err(CodeError::Floating);
+        }
+        if mechanism.assembly.is_some() {
+            return Err(CodeError::Loops);
         }
         let program = record(mechanism, what, request.columns, request.friction);
         let (prepare, main) = match program.divided() {

@@ -12,9 +12,10 @@ use crate::graph::{Graph, Recorded};
 use crate::program::{Input, Program};
 
 /// What the code computes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum What {
     /// Inverse dynamics tau(q, qd, qdd).
+    #[default]
     Tau,
     /// The reduced regressor d1, n x b.
     Regressor,
@@ -199,7 +200,8 @@ impl<'g> Recorder<'g> {
         qadd: impl Fn(usize) -> Recorded<'g>,
     ) -> Vec<JointMotion<Recorded<'g>>> {
         let (zero, one) = (self.tree.constants.zero, self.tree.constants.one);
-        let of_body = |body: &Body<Recorded<'g>>| {
+        let of_body = |(j, body): (usize, &Body<Recorded<'g>>)| {
+            self.graph.set_link(j);
             let still = JointMotion {
                 cos: one,
                 sin: zero,
@@ -226,7 +228,7 @@ impl<'g> Recorder<'g> {
                 _ => JointMotion { q, ..moving },
             }
         };
-        self.tree.bodies.iter().map(of_body).collect()
+        self.tree.bodies.iter().enumerate().map(of_body).collect()
     }
 
     /// G' tau: the torques of the independent coordinates.
@@ -357,6 +359,7 @@ fn laws(mechanism: &Mechanism) -> Vec<(Vec<(usize, f64)>, f64)> {
     };
     let law = |law: &VariableLaw| match law {
         VariableLaw::Independent(place) => (vec![(*place, 1.0)], 0.0),
+        VariableLaw::Implicit => (Vec::new(), 0.0), // refused before
         VariableLaw::Affine(law) => {
             let terms = law.terms.iter().map(|(place, g)| (*place, g.value));
             (terms.collect(), law.offset.value)

@@ -9,6 +9,7 @@ mod node;
 mod planar;
 mod prescan;
 mod tree;
+mod write;
 
 use std::collections::HashMap;
 
@@ -23,6 +24,7 @@ pub use clean::clean_urdf;
 pub(crate) use joint::Joint;
 pub(crate) use link::Link;
 pub(crate) use node::Element;
+pub use write::to_urdf;
 
 /// The most XML nodes that are read.
 const MAX_NODES: u32 = 2_000_000;
@@ -133,7 +135,7 @@ fn check_format(root: &Element) -> Result<(), FormatError> {
         "sdf" | "gazebo" => ("this is SDF, not URDF", "convert the model to URDF"),
         "mujoco" => (
             "this is MJCF (MuJoCo), not URDF",
-            "convert the model to URDF",
+            "the roberval of Python reads it: pip install roberval mujoco",
         ),
         "html" => (
             "this is a web page, not a robot file",

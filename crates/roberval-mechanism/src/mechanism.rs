@@ -4,8 +4,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::clean::{CleanPolicy, Cleaned, clean};
 use crate::{
-    Closure, CoupleError, JointKind, Motion, ParameterSpace, RobotDescription, TreeError, order,
-    placement,
+    Assembly, AssemblyError, Closure, CoupleError, JointKind, LoopError, Motion, ParameterSpace,
+    RobotDescription, TreeError, order, placement,
 };
 
 /// A valid robot with numbers: a chain or tree of links, each after its antecedent.
@@ -20,6 +20,8 @@ pub struct Mechanism {
     /// How all joint variables follow from the independent ones; `None` where all are
     /// independent.
     pub closure: Option<Closure>,
+    /// The branch on which the loops are closed; `None` without loops.
+    pub assembly: Option<Arc<Assembly>>,
     /// What the numbers were made from: the exact engine reads the literals there.
     pub description: Arc<RobotDescription>,
     /// What was set right before, and the description as it was written; `None` for a
@@ -153,6 +155,14 @@ pub enum MechanismError {
         /// The one that floats.
         floating: String,
     },
+    /// Loops on a base that floats.
+    #[error(
+        "the robot \"{robot}\" has loops and floats: roberval analyses either, not both; couples may replace loops"
+    )]
+    FloatingLoops {
+        /// The robot's name.
+        robot: String,
+    },
     /// A link without a body carries none, or several.
     #[error(
         "link \"{link}\" is massless and carries {links} links: one that only stands between two motions carries one"
@@ -166,6 +176,17 @@ pub enum MechanismError {
     /// A couple that cannot be.
     #[error(transparent)]
     Couple(#[from] CoupleError),
+    /// A loop that is none.
+    #[error(transparent)]
+    Loop(#[from] LoopError),
+    /// Loops that cannot be assembled or moved.
+    #[error("the robot \"{robot}\": {error}")]
+    Assembly {
+        /// The robot's name.
+        robot: String,
+        /// Why.
+        error: AssemblyError,
+    },
     /// A number that must be finite is not.
     #[error("link \"{link}\": {field} is {value}, which is not a finite number")]
     NotFinite {
@@ -233,11 +254,12 @@ impl Mechanism {
         check_floating(&links)?;
         check_massless(&links)?;
         let closure = Closure::of(description, &order)?;
-        let mechanism = Self {
+        let mut mechanism = Self {
             name: description.name.clone(),
             gravity,
             links,
             closure,
+            assembly: None,
             description: Arc::new(description.clone()),
             cleaning: None,
         };
@@ -245,6 +267,14 @@ impl Mechanism {
             return Err(MechanismError::Rigid {
                 robot: mechanism.name,
             });
+        }
+        if !description.loops.is_empty() {
+            if mechanism.is_floating() {
+                return Err(MechanismError::FloatingLoops {
+                    robot: mechanism.name,
+                });
+            }
+            mechanism.close_loops(&antecedents)?;
         }
         Ok(mechanism)
     }
@@ -311,6 +341,14 @@ impl Mechanism {
     #[must_use]
     pub fn independent_joints(&self) -> Vec<&Link> {
         self.of_independent(self.moving().collect())
+    }
+
+    /// What the description's couples say, of a mechanism with loops or without.
+    #[must_use]
+    pub fn couples(&self) -> Option<Closure> {
+        let order: Vec<usize> = self.links.iter().map(|l| l.in_file).collect();
+        // A mechanism's couples have been found to be valid.
+        Closure::of(&self.description, &order).unwrap_or_default()
     }
 
     /// The standard parameters as columns.

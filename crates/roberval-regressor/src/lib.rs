@@ -15,6 +15,7 @@ mod dynamics;
 mod energy;
 mod exact;
 mod expansion;
+mod loops;
 mod motion;
 mod newton_euler;
 mod sink;

@@ -11,6 +11,7 @@ use crate::field::{Oracle, Value};
 use crate::interpolation::{Shape, interpolate};
 use crate::naming::{Named, Naming, SymbolKind};
 use crate::polynomial::{Monomial, Polynomial, Variable};
+use crate::rules::Origin;
 use crate::special::{Special, special};
 
 /// Points beyond the unknown coefficients that check each interpolation.
@@ -21,6 +22,9 @@ const FIELDS: usize = 2;
 
 /// An angle that stands in many places is taken to enter with this degree at most.
 const HIGHEST_ANGLE_DEGREE: usize = 6;
+
+/// An entry of beta: its row and column, and what it is.
+type Entry = ((usize, usize), Polynomial);
 
 /// How relations are found in symbols.
 #[derive(Debug, Clone, Default)]
@@ -45,6 +49,11 @@ pub enum SymbolicError {
     /// A number has no place in a prime field.
     #[error("{0}; give it as a decimal number instead")]
     NotInField(#[from] NotInField),
+    /// The robot's loops are not decided exactly.
+    #[error(
+        "relations in symbols are found for chains, trees and couples, not for loops given by cut joints"
+    )]
+    Loops,
     /// The found relations do not hold elsewhere.
     #[error(
         "the relation of {entry} fails at fresh values of the symbols: please report this robot"
@@ -97,6 +106,8 @@ pub struct SymbolicRelations {
     pub regrouped: Vec<usize>,
     /// beta, base x regrouped; `None` is zero.
     pub beta: Vec<Vec<Option<Coefficient>>>,
+    /// What removes each parameter that is not kept, in the order of the columns.
+    pub origins: Vec<(usize, Origin)>,
     /// What is special about the given values.
     pub special: Vec<Special>,
     /// How sure the relations are.
@@ -111,6 +122,9 @@ pub fn symbolic_relations(
     mechanism: &Mechanism,
     options: &SymbolicOptions,
 ) -> Result<SymbolicRelations, SymbolicError> {
+    if mechanism.assembly.is_some() {
+        return Err(SymbolicError::Loops);
+    }
     let named = Named::new(&mechanism.description, options.naming);
     let columns = mechanism.parameters().len();
     let order = options.order.clone();
@@ -126,6 +140,7 @@ pub fn symbolic_relations(
     let mut samples = Samples::new(&oracle, &modulus, &mut random)?;
     let beta = samples.beta(&mut random)?;
     let run = samples.first.clone();
+    let origins = samples.origins(&mut random)?;
     let special = special(&oracle, &modulus, &run, &mut random)?;
     let mut relations = SymbolicRelations {
         variables: variables(&named),
@@ -134,6 +149,7 @@ pub fn symbolic_relations(
         base: run.kept,
         regrouped: run.deleted,
         beta,
+        origins,
         special,
         verification: Verification {
             primes: Vec::new(),
@@ -222,6 +238,24 @@ impl<'a, 'm> Samples<'a, 'm> {
             beta[i][j] = Some(Coefficient::Open(names.collect()));
         }
         Ok(beta)
+    }
+
+    /// What removes each parameter that is not kept.
+    fn origins(&self, random: &mut SplitMix64) -> Result<Vec<(usize, Origin)>, NotInField> {
+        let rules = self
+            .oracle
+            .rules(self.modulus, &self.first_point, random.next_u64())?;
+        let gone = self.first.no_effect.iter().chain(&self.first.deleted);
+        let origin = |&column: &usize| {
+            let rule = rules.iter().find(|(c, _)| *c == column);
+            (
+                column,
+                rule.map_or(Origin::Elimination, |(_, origin)| *origin),
+            )
+        };
+        let mut origins: Vec<_> = gone.map(origin).collect();
+        origins.sort_unstable();
+        Ok(origins)
     }
 
     /// The symbols that each entry of beta depends on, seen by changing one at a time.
@@ -317,7 +351,7 @@ impl<'a, 'm> Samples<'a, 'm> {
         entries: &[(usize, usize)],
         denominator: &Monomial,
         random: &mut SplitMix64,
-    ) -> Result<Vec<((usize, usize), Polynomial)>, NotInField> {
+    ) -> Result<Vec<Entry>, NotInField> {
         let Some(monomials) = shape.monomials(denominator.len()) else {
             return Ok(Vec::new());
         };
