@@ -10,6 +10,7 @@
 from ._core import __version__
 from .base import BaseParameters, Comparison, Relations, Route
 from .code import Code, Compiled, Count
+from .conventions import Convention, ParameterOrder, convention
 from .diagnosis import Blame, Diagnosis, Literal, Structure, Witness
 from .errors import (
     ArrayError,
@@ -25,6 +26,7 @@ from .errors import (
     UnknownParameterError,
 )
 from .exact import Exact, Surd
+from .linting import Finding, lint
 from .loading import CatalogueEntry, catalogue, load
 from .options import Choice, Engine, Model, Number, Snap
 from .robot import Link, Robot
@@ -40,11 +42,13 @@ __all__ = [
     "Code",
     "Comparison",
     "Compiled",
+    "Convention",
     "Count",
     "Diagnosis",
     "DoubtfulRankWarning",
     "Engine",
     "Exact",
+    "Finding",
     "Grade",
     "InternalError",
     "Link",
@@ -54,6 +58,7 @@ __all__ = [
     "Number",
     "NumericalError",
     "OptionError",
+    "ParameterOrder",
     "Relations",
     "RobervalError",
     "Robot",
@@ -70,5 +75,7 @@ __all__ = [
     "Witness",
     "__version__",
     "catalogue",
+    "convention",
+    "lint",
     "load",
 ]

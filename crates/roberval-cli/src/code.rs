@@ -10,6 +10,7 @@ use roberval_tables as tables;
 use crate::arguments::CodeArgs;
 use crate::commands::{answer, verdict, warn};
 use crate::error::CliError;
+use crate::look::Look;
 use crate::robot::load;
 use crate::say;
 
@@ -17,6 +18,7 @@ pub(crate) fn run(
     args: &CodeArgs,
     out: &mut dyn Write,
     err: &mut dyn Write,
+    look: Look,
 ) -> Result<i32, CliError> {
     let options = Options {
         model: Model::D,
@@ -27,7 +29,7 @@ pub(crate) fn run(
         rows: None,
     };
     let mut doubts = Vec::new();
-    answer(&args.output, out, |format| {
+    answer(&args.output, out, look, |format| {
         let mechanism = load(&args.robot.robot, &args.robot.reading)?;
         warn(&mechanism, err);
         let standard: Vec<usize> = (0..mechanism.parameters().len()).collect();

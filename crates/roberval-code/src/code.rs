@@ -25,6 +25,11 @@ pub enum CodeError {
     /// Friction was asked of something else than tau.
     #[error("friction is a part of tau only, not of {}", .0.name())]
     Friction(What),
+    /// The robot's passive joints are found by iteration.
+    #[error(
+        "code is written for chains, trees and couples, not for loops given by cut joints: give the passive joints as couples"
+    )]
+    Loops,
 }
 
 /// Straight-line code of one model of a robot.
@@ -55,6 +60,9 @@ impl Code {
         let what = request.what;
         if request.friction && what != What::Tau {
             return Err(CodeError::Friction(what));
+        }
+        if mechanism.assembly.is_some() {
+            return Err(CodeError::Loops);
         }
         let program = record(mechanism, what, request.columns, request.friction);
         let (prepare, main) = match program.divided() {

@@ -2,11 +2,12 @@
 
 mod clean;
 mod couple;
+mod loops;
 mod section;
 mod write;
 
 use roberval_mechanism::{
-    Geometry, JointKind, LinkDescription, MdhGeometry, ParameterKind, RobotDescription,
+    Geometry, JointKind, LinkDescription, MdhGeometry, Origin, ParameterKind, RobotDescription,
     SourceFormat, TreeError,
 };
 use roberval_scalar::{Constants, Quantity, is_constant_name};
@@ -17,6 +18,7 @@ use crate::source::{Source, check_size, stem};
 use crate::suspects;
 use crate::words::{nearest, quoted};
 pub use clean::clean_toml;
+pub(crate) use clean::{change_key, with_spans};
 use section::Section;
 pub use write::to_toml;
 
@@ -29,7 +31,7 @@ const MAX_CONSTANTS: usize = 1000;
 /// The name that stands for the base in `antecedent`.
 pub(crate) const BASE: &str = "base";
 
-const ROBOT_KEYS: &[&str] = &["name", "gravity", "constants", "link", "couple"];
+const ROBOT_KEYS: &[&str] = &["name", "gravity", "constants", "link", "couple", "loop"];
 const LINK_KEYS: &[&str] = &[
     "name",
     "antecedent",
@@ -42,8 +44,16 @@ const LINK_KEYS: &[&str] = &[
     "d",
     "theta",
     "r",
+    "joint_name",
+    "xyz",
+    "rpy",
+    "axis",
     "inertia",
 ];
+
+/// Keys of links that are placed as in URDF, and those of modified Denavit-Hartenberg ones.
+const PLACED_KEYS: [&str; 3] = ["xyz", "rpy", "axis"];
+const MDH_KEYS: [&str; 6] = ["gamma", "b", "alpha", "d", "theta", "r"];
 
 /// Reads a robot TOML. `source_name` names the text in messages, and the robot where the
 /// text gives no name.
@@ -64,6 +74,7 @@ pub fn parse_toml(text: &str, source_name: &str) -> Result<RobotDescription, For
         gravity: gravity(&robot, &constants)?,
         links: Vec::new(),
         couples: Vec::new(),
+        loops: Vec::new(),
         constants,
         format: SourceFormat::Mdh,
         warnings: Vec::new(),
@@ -83,8 +94,13 @@ pub fn parse_toml(text: &str, source_name: &str) -> Result<RobotDescription, For
         )?;
         description.links.push(link);
     }
+    let placed = |link: &LinkDescription| matches!(link.geometry, Geometry::Placed { .. });
+    if description.links.iter().any(placed) {
+        description.format = SourceFormat::Placed;
+    }
     check_tree(&source, &description, &tables)?;
     couple::couples(&robot, &mut description)?;
+    description.loops = loops::read(&robot, &description)?;
     description.warnings = warnings(&description);
     Ok(description)
 }
@@ -134,7 +150,9 @@ fn gravity(robot: &Section, constants: &Constants) -> Result<[Quantity; 3], Form
         let down = Quantity::parse_decimal("-9.81").unwrap_or_else(|_| Quantity::zero());
         [Quantity::zero(), Quantity::zero(), down]
     };
-    Ok(robot.vector("gravity", constants)?.unwrap_or_else(default))
+    Ok(robot
+        .vector("gravity", Quantity::parse_number, constants)?
+        .unwrap_or_else(default))
 }
 
 type Tables<'d> = Vec<(&'d dyn TableLike, usize)>;
@@ -210,12 +228,14 @@ fn link(
             )));
         }
     }
+    let joint_name = section.name("joint_name")?;
+    let label = joint_name.as_deref().unwrap_or(&name);
     Ok(LinkDescription {
         antecedent: antecedent(section, previous)?,
-        geometry: Geometry::Mdh(Box::new(geometry(section, joint, constants)?)),
+        geometry: placement(section, joint, label, constants)?,
         inertia: inertia(section, rotor, constants)?,
         name,
-        joint_name: None,
+        joint_name,
         joint,
         active,
         rotor,
@@ -246,6 +266,54 @@ fn antecedent(section: &Section, previous: Option<&str>) -> Result<Option<String
         Some(name) if name == BASE => None,
         Some(name) => Some(name),
     })
+}
+
+/// Where the link is: by xyz, rpy and axis as in URDF, else by modified Denavit-Hartenberg
+/// parameters.
+fn placement(
+    section: &Section,
+    joint: JointKind,
+    joint_name: &str,
+    constants: &Constants,
+) -> Result<Geometry, FormatError> {
+    let has = |key: &&&str| section.table.contains_key(key);
+    let Some(placed) = PLACED_KEYS.iter().find(has) else {
+        let geometry = geometry(section, joint, constants)?;
+        return Ok(Geometry::Mdh(Box::new(geometry)));
+    };
+    if let Some(key) = MDH_KEYS.iter().find(has) {
+        let what = format!("{key} and {placed} exclude each other");
+        return Err(section.fault(Code::Contradiction, key, what).hint(
+            "place a link by xyz, rpy and axis, or by modified Denavit-Hartenberg parameters",
+        ));
+    }
+    let vector = |key: &str, read| {
+        let value = section.vector(key, read, constants)?;
+        Ok::<_, FormatError>(value.unwrap_or_else(|| [(); 3].map(|()| Quantity::zero())))
+    };
+    let origin = Origin {
+        joint: joint_name.to_owned(),
+        xyz: vector("xyz", Quantity::parse_length)?,
+        rpy: vector("rpy", Quantity::parse_angle)?,
+    };
+    let axis = match section.vector("axis", Quantity::parse_number, constants)? {
+        Some(axis) if joint != JointKind::Fixed && axis.iter().all(|x| x.value == 0.0) => {
+            let what = "the joint axis is zero";
+            return Err(section
+                .fault(Code::ZeroAxis, "axis", what)
+                .hint("write a direction such as axis = [0, 0, 1]"));
+        }
+        Some(axis) => axis,
+        None => [Quantity::zero(), Quantity::zero(), one()],
+    };
+    Ok(Geometry::Placed {
+        origins: vec![origin],
+        axis,
+    })
+}
+
+fn one() -> Quantity {
+    Quantity::parse_decimal("1").unwrap_or_else(|_| Quantity::zero())
 }
 
 /// gamma and b default to 0 (a chain has neither), and so does the constant to which the

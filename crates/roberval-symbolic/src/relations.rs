@@ -23,6 +23,9 @@ const FIELDS: usize = 2;
 /// An angle that stands in many places is taken to enter with this degree at most.
 const HIGHEST_ANGLE_DEGREE: usize = 6;
 
+/// An entry of beta: its row and column, and what it is.
+type Entry = ((usize, usize), Polynomial);
+
 /// How relations are found in symbols.
 #[derive(Debug, Clone, Default)]
 pub struct SymbolicOptions {
@@ -46,6 +49,11 @@ pub enum SymbolicError {
     /// A number has no place in a prime field.
     #[error("{0}; give it as a decimal number instead")]
     NotInField(#[from] NotInField),
+    /// The robot's loops are not decided exactly.
+    #[error(
+        "relations in symbols are found for chains, trees and couples, not for loops given by cut joints"
+    )]
+    Loops,
     /// The found relations do not hold elsewhere.
     #[error(
         "the relation of {entry} fails at fresh values of the symbols: please report this robot"
@@ -114,6 +122,9 @@ pub fn symbolic_relations(
     mechanism: &Mechanism,
     options: &SymbolicOptions,
 ) -> Result<SymbolicRelations, SymbolicError> {
+    if mechanism.assembly.is_some() {
+        return Err(SymbolicError::Loops);
+    }
     let named = Named::new(&mechanism.description, options.naming);
     let columns = mechanism.parameters().len();
     let order = options.order.clone();
@@ -340,7 +351,7 @@ impl<'a, 'm> Samples<'a, 'm> {
         entries: &[(usize, usize)],
         denominator: &Monomial,
         random: &mut SplitMix64,
-    ) -> Result<Vec<((usize, usize), Polynomial)>, NotInField> {
+    ) -> Result<Vec<Entry>, NotInField> {
         let Some(monomials) = shape.monomials(denominator.len()) else {
             return Ok(Vec::new());
         };

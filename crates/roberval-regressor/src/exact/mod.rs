@@ -15,6 +15,7 @@ mod precise;
 mod units;
 
 pub use angles::AngleOrder;
+pub use closure::{CouplePowers, coupled};
 pub use geometry::RowsWorkspace;
 pub use model::{ExactModel, ExactWorkspace, NotInField, Turn};
 pub use named::whole_multiple;

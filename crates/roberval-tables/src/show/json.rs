@@ -25,6 +25,7 @@ pub(crate) fn json(mechanism: &Mechanism) -> String {
         "robot": robot::json(mechanism),
         "source": match description.format {
             SourceFormat::Mdh => "mdh",
+            SourceFormat::Placed => "placed",
             SourceFormat::Urdf => "urdf",
         },
         "counts": {
