@@ -9,6 +9,7 @@
 
 from ._core import __version__
 from .base import BaseParameters, Comparison, Relations, Route
+from .code import Code, Compiled, Count
 from .conventions import Convention, ParameterOrder, convention
 from .diagnosis import Blame, Diagnosis, Literal, Structure, Witness
 from .errors import (
@@ -30,6 +31,7 @@ from .loading import CatalogueEntry, catalogue, load
 from .options import Choice, Engine, Model, Number, Snap
 from .robot import Link, Robot
 from .scaling import Grade, Scaling
+from .symbolic import SymbolicRelations
 
 __all__ = [
     "ArrayError",
@@ -37,8 +39,11 @@ __all__ = [
     "Blame",
     "CatalogueEntry",
     "Choice",
+    "Code",
     "Comparison",
+    "Compiled",
     "Convention",
+    "Count",
     "Diagnosis",
     "DoubtfulRankWarning",
     "Engine",
@@ -65,6 +70,7 @@ __all__ = [
     "Snap",
     "Structure",
     "Surd",
+    "SymbolicRelations",
     "UnknownParameterError",
     "Witness",
     "__version__",

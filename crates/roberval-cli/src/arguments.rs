@@ -6,6 +6,7 @@ use clap::builder::{NonEmptyStringValueParser, PossibleValuesParser, TypedValueP
 use clap::{Args, ColorChoice, Parser, Subcommand};
 use clap_complete::Shell;
 use roberval_base::{Choice, Engine, Model, Options, Tolerance};
+use roberval_code::{Language, What};
 use roberval_mechanism::{CleanMode, Convention};
 use roberval_scalar::Quantity;
 use roberval_tables::Format;
@@ -23,6 +24,8 @@ Examples:
   roberval regressor arm.urdf states.csv -o W.npy
   roberval scale arm.urdf --format csv        well scaled samples
   roberval lint arm.urdf                      what is wrong with a robot file
+  roberval base puma560 --symbolic            relations in D3, R3, D4, R4
+  roberval code puma560 --lang c -o puma.c    inverse dynamics as code
   roberval demo                               a tour, with a report to look at
 
 Exit codes: 0 clear, 1 computed but doubtful or engines disagree, 2 bad input.";
@@ -79,6 +82,15 @@ The array has the shape (N, n, C) for d and d0 and (N, C) for h, in C order, C b
 standard parameters in the order of `roberval show`, or the base parameters with --base.
 Only differences of the rows of h mean anything.";
 
+const CODE: &str = "\
+The code is straight-line, without allocation, and takes its parameters in the order that its
+comments list. --format is for --counts.
+
+Examples:
+  roberval code puma560 --lang c --what tau -o puma.c
+  roberval code arm.urdf --lang python --what regressor -o arm_regressor.py
+  roberval code arm.urdf --counts";
+
 const SCALE: &str = "\
 The table shows what the search gained over random samples. --format csv writes the samples
 found, in the form that `roberval regressor` reads; --format json has both.";
@@ -112,6 +124,9 @@ pub(crate) enum Command {
     /// Write the regressor at joint states from a file as a NumPy array
     #[command(after_help = STATES)]
     Regressor(RegressorArgs),
+    /// Write the reduced model as code: C, Rust, NumPy or MATLAB
+    #[command(after_help = CODE)]
+    Code(CodeArgs),
     /// Search for samples that scale W (section 4 of the paper's method)
     #[command(after_help = SCALE)]
     Scale(ScaleArgs),
@@ -174,6 +189,43 @@ pub(crate) struct BaseArgs {
     /// Write also a report to look at: one HTML page, offline
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
+    /// Show the relations in symbols: named constants stay symbols, and where there are
+    /// none all lengths get names (d3, r4, x5)
+    #[arg(long)]
+    pub symbolic: bool,
+    /// With --symbolic: give names to all lengths that have none
+    #[arg(long, requires = "symbolic")]
+    pub name_lengths: bool,
+    /// With --symbolic: write the relations also as a Python module for SymPy
+    #[arg(long, requires = "symbolic", value_name = "FILE")]
+    pub sympy: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CodeArgs {
+    #[command(flatten)]
+    pub robot: RobotArgs,
+    /// The language
+    #[arg(long, default_value = Language::C.name(), value_parser = language())]
+    pub lang: Language,
+    /// What the code computes: inverse dynamics, the reduced regressor d1, the energy row
+    /// h1, the torques of gravity, the mass matrix
+    #[arg(long, default_value = What::Tau.name(), value_parser = what())]
+    pub what: What,
+    /// The parameters it takes: base parameters, or all standard ones
+    #[arg(long, default_value = "base", value_parser = ["base", "standard"])]
+    pub parameters: String,
+    /// Add friction to tau, Fv qd + Fc sign(qd), two parameters a joint
+    #[arg(long)]
+    pub friction: bool,
+    /// Show what the code costs in place of the code: operations with standard and with
+    /// base parameters, link by link
+    #[arg(long)]
+    pub counts: bool,
+    #[command(flatten)]
+    pub choice: ChoiceArgs,
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -396,6 +448,14 @@ fn snap() -> impl TypedValueParser<Value = CleanMode> {
         "aggressive" => CleanMode::Aggressive,
         _ => CleanMode::Default,
     })
+}
+
+fn language() -> impl TypedValueParser<Value = Language> {
+    named(&Language::ALL, Language::name)
+}
+
+fn what() -> impl TypedValueParser<Value = What> {
+    named(&What::ALL, What::name)
 }
 
 fn format() -> impl TypedValueParser<Value = Format> {

@@ -12,9 +12,10 @@ use expression::Statement;
 use languages::Frame;
 
 /// A language that code is written in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Language {
     /// C99.
+    #[default]
     C,
     /// Rust without its standard library.
     Rust,

@@ -14,6 +14,7 @@ mod dynamics;
 mod energy;
 mod exact;
 mod expansion;
+mod loops;
 mod motion;
 mod newton_euler;
 mod sink;
@@ -25,8 +26,8 @@ pub use batch::{Model, Regressor, RegressorError, States};
 pub use dynamics::{DynamicsWorkspace, dynamics};
 pub use energy::{EnergyWorkspace, energy};
 pub use exact::{
-    AngleOrder, AngleParts, AngleUnit, AngleUnits, ExactModel, ExactWorkspace, NotInField,
-    PreciseModel, RowsWorkspace,
+    AngleOrder, AngleParts, AngleUnit, AngleUnits, CouplePowers, ExactModel, ExactWorkspace,
+    NotInField, PreciseModel, RowsWorkspace, Turn, coupled, whole_multiple,
 };
 pub use expansion::{Expansion, JointStates, NoValue};
 pub use motion::JointMotion;

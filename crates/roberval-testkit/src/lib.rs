@@ -1,8 +1,10 @@
 //! Generated robots: chains and trees of every kind the method must handle, named by a
 //! seed. For tests and benches only.
 
+mod couples;
 mod style;
 
+pub use couples::coupled;
 use roberval_mechanism::{
     Geometry, JointKind, LinkDescription, MdhGeometry, Origin, RobotDescription, SourceFormat,
 };
@@ -67,6 +69,7 @@ impl Family {
             constants: Vec::new(),
             links,
             couples: Vec::new(),
+            loops: Vec::new(),
             format: self.format,
             warnings: Vec::new(),
         }

@@ -42,7 +42,7 @@ pub(super) fn couples(
 
 fn couple(section: &Section, robot: &RobotDescription) -> Result<Couple, FormatError> {
     section.only(COUPLE_KEYS)?;
-    let missing = |key: &str, example: &str| {
+    let missing = |section: &Section, key: &str, example: &str| {
         let what = format!("{key} is missing");
         section
             .here(Code::Missing, what)
@@ -50,13 +50,13 @@ fn couple(section: &Section, robot: &RobotDescription) -> Result<Couple, FormatE
     };
     let joint = section
         .name("joint")?
-        .ok_or_else(|| missing("joint", "\"2\""))?;
+        .ok_or_else(|| missing(section, "joint", "\"2\""))?;
     let place = format!("couple of joint {}", quoted(&joint));
     let section = section.renamed(&place);
     let inside = format!("{place}, equals");
     let equals = section
         .table("equals", &inside)?
-        .ok_or_else(|| missing("equals", "{ \"1\" = -1 }"))?;
+        .ok_or_else(|| missing(&section, "equals", "{ \"1\" = -1 }"))?;
     let mut terms = Vec::new();
     for (name, _) in equals.table.iter() {
         let multiplier = equals.quantity(name, Quantity::parse_number, &robot.constants)?;

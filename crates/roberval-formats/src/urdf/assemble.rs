@@ -77,6 +77,7 @@ fn robot(name: String, links: Vec<LinkDescription>) -> RobotDescription {
         gravity: [Quantity::zero(), Quantity::zero(), down],
         constants: Vec::new(),
         couples: Vec::new(),
+        loops: Vec::new(),
         links,
         format: SourceFormat::Urdf,
         warnings: Vec::new(),

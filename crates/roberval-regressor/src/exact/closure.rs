@@ -57,8 +57,10 @@ struct Turns<'m> {
     offset: Rotation<Fp<'m>>,
 }
 
-/// Which joints need an axis of length 1: those that follow others or are followed.
-pub(super) fn coupled(mechanism: &Mechanism) -> Vec<bool> {
+/// Which joint variables follow others or are followed: their joints need an axis of
+/// length 1.
+#[must_use]
+pub fn coupled(mechanism: &Mechanism) -> Vec<bool> {
     let Some(closure) = &mechanism.closure else {
         return vec![false; mechanism.dof()];
     };
@@ -80,8 +82,12 @@ impl<'m> ExactClosure<'m> {
         mechanism: &Mechanism,
         numbers: &mut FieldNumbers<'m, '_>,
     ) -> Result<Option<Self>, NotInField> {
-        let Some(closure) = &mechanism.closure else {
-            return Ok(None);
+        let Some(closure) = mechanism
+            .closure
+            .as_ref()
+            .filter(|_| mechanism.assembly.is_none())
+        else {
+            return Ok(None); // loops are opened
         };
         let powers = Powers::of(mechanism, closure);
         let coupled = coupled(mechanism);
@@ -97,6 +103,7 @@ impl<'m> ExactClosure<'m> {
         for (variable, (law, kind)) in closure.laws.iter().zip(kinds).enumerate() {
             let (row, offset) = match law {
                 VariableLaw::Independent(place) => (vec![(*place, one)], None),
+                VariableLaw::Implicit => return Ok(None),
                 VariableLaw::Affine(law) => {
                     let terms = law.terms.iter();
                     let row = terms.map(|(place, m)| Ok((*place, numbers.value(m)?)));
@@ -207,6 +214,29 @@ impl<'m> Turns<'m> {
             rotation = compose(rotation, mirrored(generic[at], mirror));
         }
         rotation
+    }
+}
+
+/// The powers of random points of the circle at which revolute joints stand that follow
+/// others, or are followed.
+#[derive(Debug, Clone)]
+pub struct CouplePowers {
+    /// L for each independent coordinate, whose own joint stands at the power L.
+    pub roots: Vec<i64>,
+    /// Whether all revolute joints that follow others have powers: else some multiplier is
+    /// no fraction, or its power too large.
+    pub complete: bool,
+}
+
+impl CouplePowers {
+    /// The powers of a mechanism; `None` where all joints are independent.
+    #[must_use]
+    pub fn of(mechanism: &Mechanism) -> Option<Self> {
+        let powers = Powers::of(mechanism, mechanism.closure.as_ref()?);
+        Some(Self {
+            complete: powers.others.iter().all(|n| *n == 0),
+            roots: powers.root,
+        })
     }
 }
 

@@ -162,7 +162,9 @@ fn spectrum(answer: &BaseParameters) -> Document {
 
 fn spectrum_heading(engine: Engine) -> &'static str {
     match engine {
-        Engine::Qrii | Engine::Exact => "Diagonal |T_ii| of QR with column pivoting",
+        Engine::Qrii | Engine::Exact | Engine::Precise => {
+            "Diagonal |T_ii| of QR with column pivoting"
+        }
         Engine::Svd => "Singular values sigma_i",
         Engine::Qr => "Diagonal of QR: what the kept columns before it leave of each column",
     }
