@@ -24,7 +24,7 @@ from .errors import (
     UnknownParameterError,
 )
 from .exact import Exact, Surd
-from .loading import CatalogueEntry, catalogue, load
+from .loading import CatalogueEntry, Cleaned, catalogue, clean_file, load
 from .options import Choice, Engine, Model, Number, Snap
 from .robot import Link, Robot
 from .scaling import Grade, Scaling
@@ -35,6 +35,7 @@ __all__ = [
     "Blame",
     "CatalogueEntry",
     "Choice",
+    "Cleaned",
     "Comparison",
     "Diagnosis",
     "DoubtfulRankWarning",
@@ -64,5 +65,6 @@ __all__ = [
     "Witness",
     "__version__",
     "catalogue",
+    "clean_file",
     "load",
 ]

@@ -7,7 +7,16 @@ import numpy.typing as npt
 from .options import Options, Reading
 from .scaling import ScalingOptions
 
-__all__ = ["Answer", "Comparison", "Robot", "Scaling", "__version__", "catalogue", "run_cli"]
+__all__ = [
+    "Answer",
+    "Comparison",
+    "Robot",
+    "Scaling",
+    "__version__",
+    "catalogue",
+    "clean_file",
+    "run_cli",
+]
 
 __version__: str
 
@@ -113,6 +122,7 @@ class Answer:
     @property
     def relations(self) -> list[str]: ...
     def render(self, format: str) -> str: ...
+    def certificate(self) -> str: ...
     def regrouped_values(self, x: _Array, xr2: _Array) -> _Array: ...
     def minimum_norm(self, x: _Array) -> _Array: ...
 
@@ -138,5 +148,6 @@ class Scaling:
     @property
     def after(self) -> tuple[float, float, float, int, float | None]: ...
 
+def clean_file(path_or_name: str, snap: str) -> tuple[str, list[str], list[str]]: ...
 def catalogue() -> list[tuple[str, str, str]]: ...
 def run_cli(arguments: Sequence[str]) -> int: ...

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import os
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -18,6 +20,7 @@ from .errors import DoubtfulRankWarning, MissingPackageError, RobotWarning
 from .exact import Exact, coefficient
 from .options import Options
 from .rendering import Rendered
+from .writing import write_whole
 
 if TYPE_CHECKING:
     import pandas
@@ -315,6 +318,35 @@ class BaseParameters(Rendered):
             For h (N, b); for one state without the N.
         """
         return self._robot._rows(self.model, self._inner.base, q, qd, qdd, out)
+
+    def certificate(self) -> dict[str, Any]:
+        """Return what was decided and how, for a checker that shares nothing with roberval.
+
+        The content of the file that `save_certificate` writes.
+
+        Raises
+        ------
+        OptionError
+            A float engine decided.
+        NumericalError
+            A coefficient without an exact form is not known well enough.
+        """
+        content: dict[str, Any] = json.loads(self._inner.certificate())
+        return content
+
+    def save_certificate(self, path: str | os.PathLike[str]) -> None:
+        """Write the certificate, which ``python -m roberval.check_certificate`` checks.
+
+        The file is written as a whole or not at all.
+
+        Raises
+        ------
+        OptionError, NumericalError
+            As `certificate`.
+        OSError
+            The file cannot be written.
+        """
+        write_whole(path, self._inner.certificate())
 
     def to_frame(self) -> pandas.DataFrame:
         """Return a pandas DataFrame with one row for each standard parameter.

@@ -24,7 +24,7 @@ pub use compare::{Comparison, Failure, Route, compare};
 pub use diagnosis::{Diagnosis, Structure, Witness};
 pub use engine::Engine;
 pub use error::BaseError;
-pub use exact::{ExactDecision, ExactError, ExactNumber, decide_exactly};
+pub use exact::{ExactDecision, ExactError, ExactNumber, choose_exactly, decide_exactly};
 pub use literal::{Blame, Literal};
 pub use method::{Options, base_parameters, base_parameters_at};
 pub use nullspace::{NullspaceDecision, nullspace_rank};

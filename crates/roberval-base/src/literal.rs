@@ -4,8 +4,7 @@
 use roberval_mechanism::{Change, Cleaning, Mechanism, RobotDescription, apply};
 use roberval_regressor::Model;
 
-use crate::BaseError;
-use crate::exact::structural_rank;
+use crate::{BaseError, choose_exactly};
 
 /// Groups of equal numbers that are tried one by one to find those to blame.
 const MOST_GROUPS: usize = 24;
@@ -71,7 +70,8 @@ pub(crate) fn literal(
 
 fn rank_of(description: &RobotDescription, model: Model, seed: u64) -> Result<usize, BaseError> {
     let mechanism = Mechanism::new(description)?;
-    Ok(structural_rank(&mechanism, model, seed)?)
+    let order: Vec<usize> = (0..mechanism.parameters().len()).collect();
+    Ok(choose_exactly(&mechanism, model, &order, seed)?.len())
 }
 
 /// The groups that alone make a difference; all, if none does.

@@ -1,10 +1,12 @@
+use std::cell::OnceCell;
+
 use roberval_linalg::{Matrix, Relations, Tolerance, equilibrate, qrii, unscale_relations};
 use roberval_mechanism::Mechanism;
 use roberval_regressor::Model;
 use roberval_scalar::SplitMix64;
 
 use crate::engine::{Finding, Judgement, complement};
-use crate::literal::literal;
+use crate::literal::{Literal, literal};
 use crate::observation::check_size;
 use crate::result::Classes;
 use crate::{
@@ -42,10 +44,24 @@ pub fn base_parameters(
     mechanism: &Mechanism,
     options: &Options,
 ) -> Result<BaseParameters, BaseError> {
-    let space = mechanism.parameters();
-    let count = sample_count(mechanism, options.model, options.rows, 2 * space.len())?;
-    let samples = Samples::draw(mechanism, count, options.seed);
-    base_parameters_at(mechanism, options, &samples)
+    let samples = random_samples(mechanism, options)?;
+    base_parameters_at(mechanism, options, &samples).map_err(|error| match (error, options.rows) {
+        // A sample gives n rows: what was asked for is what the user knows.
+        (BaseError::TooFewRows { columns, .. }, Some(rows)) => {
+            BaseError::TooFewRows { rows, columns }
+        }
+        (error, _) => error,
+    })
+}
+
+/// The samples that [`base_parameters`] takes.
+pub(crate) fn random_samples(
+    mechanism: &Mechanism,
+    options: &Options,
+) -> Result<Samples, BaseError> {
+    let columns = mechanism.parameters().len();
+    let count = sample_count(mechanism, options.model, options.rows, 2 * columns)?;
+    Ok(Samples::draw(mechanism, count, options.seed))
 }
 
 /// [`base_parameters`] at samples of one's own, such as [`crate::scale`] finds;
@@ -59,8 +75,49 @@ pub fn base_parameters_at(
     options: &Options,
     samples: &Samples,
 ) -> Result<BaseParameters, BaseError> {
+    base_parameters_with(mechanism, options, samples, &Facts::default())
+}
+
+/// What does not depend on model and engine, found once.
+#[derive(Default)]
+pub(crate) struct Facts {
+    literal: OnceCell<Option<Literal>>,
+    nullspace_rank: OnceCell<usize>,
+}
+
+impl Facts {
+    /// What the file as written gives; `rank` is that of the mechanism.
+    fn literal(
+        &self,
+        mechanism: &Mechanism,
+        options: &Options,
+        rank: usize,
+    ) -> Result<Option<Literal>, BaseError> {
+        if let Some(known) = self.literal.get() {
+            return Ok(known.clone());
+        }
+        let found = literal(mechanism, options.model, rank, options.seed)?;
+        Ok(self.literal.get_or_init(|| found).clone())
+    }
+
+    fn nullspace_rank(&self, mechanism: &Mechanism, seed: u64) -> Result<usize, BaseError> {
+        if let Some(known) = self.nullspace_rank.get() {
+            return Ok(*known);
+        }
+        let found = nullspace_rank(mechanism, seed)?.rank;
+        Ok(*self.nullspace_rank.get_or_init(|| found))
+    }
+}
+
+/// [`base_parameters_at`] with what is known already.
+pub(crate) fn base_parameters_with(
+    mechanism: &Mechanism,
+    options: &Options,
+    samples: &Samples,
+    facts: &Facts,
+) -> Result<BaseParameters, BaseError> {
     match options.engine {
-        Engine::Exact => by_elimination(mechanism, options, samples),
+        Engine::Exact => by_elimination(mechanism, options, samples, facts),
         Engine::Qr | Engine::Qrii | Engine::Svd => by_factorisation(mechanism, options, samples),
     }
 }
@@ -82,7 +139,14 @@ fn by_factorisation(
     let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
     let judgement = &finding.judgement;
     let columns = judgement.columns.iter().map(|&i| order[i]).collect();
-    let diagnosis = Diagnosis::of(&judgement.decision, columns, &space, fresh);
+    let diagnosis = Diagnosis::of(
+        &judgement.decision,
+        columns,
+        options.engine == Engine::Svd,
+        &space,
+        &observation.effects,
+        fresh,
+    );
     Ok(BaseParameters::new(
         mechanism,
         options,
@@ -99,6 +163,7 @@ fn by_elimination(
     mechanism: &Mechanism,
     options: &Options,
     samples: &Samples,
+    facts: &Facts,
 ) -> Result<BaseParameters, BaseError> {
     let observation = observe(mechanism, options.model, samples)?;
     let exact = decide_in_order(mechanism, options, &observation)?;
@@ -117,8 +182,8 @@ fn by_elimination(
     });
     let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
     let witnesses = witnesses(&w, &effect, &options.tolerance)?;
-    let literal = literal(mechanism, options.model, base.len(), options.seed)?;
-    let nullspace = nullspace_rank(mechanism, options.seed)?.rank;
+    let literal = facts.literal(mechanism, options, base.len())?;
+    let nullspace = facts.nullspace_rank(mechanism, options.seed)?;
     let diagnosis = Diagnosis::structural(&exact, nullspace, &witnesses, literal, fresh);
     Ok(BaseParameters::new(
         mechanism,

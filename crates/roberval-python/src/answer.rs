@@ -161,6 +161,11 @@ impl Answer {
         Ok(tables::base(&self.answer, format))
     }
 
+    /// The text of a certificate.
+    fn certificate(&self, py: Python<'_>) -> PyResult<String> {
+        detached(py, || self.answer.certificate())
+    }
+
     /// XR1 = X1 + beta (X2 - XR2).
     fn regrouped_values<'py>(
         &self,

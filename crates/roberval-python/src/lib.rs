@@ -22,5 +22,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<answer::Comparison>()?;
     module.add_class::<scaling::Scaling>()?;
     module.add_function(wrap_pyfunction!(robot::catalogue, module)?)?;
+    module.add_function(wrap_pyfunction!(robot::clean_file, module)?)?;
     module.add_function(wrap_pyfunction!(command::run_cli, module)?)
 }

@@ -4,6 +4,7 @@
 //!   source runs over floats, magnitudes (error bounds), finite fields and expressions.
 //! * [`Decimal`], [`Expr`], [`Quantity`]: numbers as the user wrote them, kept exactly.
 
+mod cancel;
 mod double_double;
 mod field;
 mod linear;
@@ -14,6 +15,7 @@ mod primes;
 mod random;
 mod scalar;
 
+pub use cancel::{Cancelled, cancellable, cancellation_point};
 pub use double_double::DoubleDouble;
 pub use field::{Fp, Modulus};
 pub use linear::LinearInPi;

@@ -17,7 +17,6 @@ mod number;
 mod rounded;
 mod run;
 
-pub(crate) use decision::structural_rank;
-pub use decision::{ExactDecision, ExactError, decide_exactly};
+pub use decision::{ExactDecision, ExactError, choose_exactly, decide_exactly};
 pub(crate) use field::in_some_field;
 pub use number::ExactNumber;

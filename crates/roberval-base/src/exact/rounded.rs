@@ -4,7 +4,7 @@
 use num_integer::Integer;
 use roberval_mechanism::Mechanism;
 use roberval_regressor::{Model, NotInField, PreciseModel};
-use roberval_scalar::DoubleDouble;
+use roberval_scalar::{DoubleDouble, cancellation_point};
 
 use super::number::ExactNumber;
 use crate::Samples;
@@ -53,6 +53,7 @@ pub(super) fn round_open_entries(
         let w = columns_of_w(mechanism, model, rows, seed.wrapping_add(set as u64))?;
         let mut again = Vec::new();
         for &j in &columns {
+            cancellation_point();
             let unknown = open(beta, j);
             let known = known_part(beta, kept, &w, j);
             let rest = difference(&w[deleted[j]], &known);
@@ -91,6 +92,7 @@ fn columns_of_w(
     let mut reference = None;
     let mut columns = vec![Vec::with_capacity(count * per_sample); c];
     for k in 0..count {
+        cancellation_point();
         let state = [&samples.q, &samples.qd, &samples.qdd].map(|x| &x[k * n..(k + 1) * n]);
         precise.fill(model, state, &mut work, &mut sample);
         if model == Model::H && reference.is_none() {
@@ -215,6 +217,7 @@ impl Factor {
     fn of(a: &[&[DoubleDouble]]) -> Self {
         let (mut q, mut r, mut d): (Vec<Vec<f64>>, Vec<_>, Vec<_>) = Default::default();
         for column in a {
+            cancellation_point();
             let mut v: Vec<f64> = column.iter().map(|x| x.to_f64()).collect();
             let size = norm(&v);
             v.iter_mut().for_each(|x| *x /= size);

@@ -21,7 +21,7 @@ pub(crate) struct Run {
     pub no_effect: Vec<usize>,
     pub kept: Vec<usize>,
     pub deleted: Vec<usize>,
-    /// Residues of beta.
+    /// Residues of beta; nothing if they were not asked for.
     pub beta: Vec<Vec<u64>>,
     /// Angles that stood for generic ones.
     pub generic: Vec<String>,
@@ -36,6 +36,15 @@ pub(crate) struct Run {
     pub roots: bool,
 }
 
+/// How far to eliminate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Goal {
+    /// Rank and choice.
+    Choice,
+    /// The relations, too.
+    Relations,
+}
+
 /// Analyses the mechanism in a random prime field, keeping the first independent columns
 /// of `order` (a permutation of all columns). Constant angles of finite order are taken
 /// `conjugate` times (1, or a number that has no factor in common with that order): the
@@ -47,9 +56,10 @@ pub(crate) fn run(
     angle_order: AngleOrder,
     seed: u64,
     conjugate: u64,
+    goal: Goal,
 ) -> Result<Run, NotInField> {
     in_some_field(mechanism, angle_order, seed, conjugate, |exact, random| {
-        eliminate(mechanism, model, order, exact, seed, random)
+        eliminate(mechanism, model, order, exact, seed, random, goal)
     })
 }
 
@@ -60,6 +70,7 @@ fn eliminate<'m>(
     exact: &ExactModel<'m>,
     seed: u64,
     random: &mut SplitMix64,
+    goal: Goal,
 ) -> Run {
     let space: ParameterSpace = mechanism.parameters();
     let modulus = exact.modulus();
@@ -94,15 +105,15 @@ fn eliminate<'m>(
     let kept = echelon.kept();
     let leads = |j: &usize| kept.binary_search(j).is_ok();
     let deleted = (0..order.len()).filter(|j| !leads(j) && seen[order[*j]]);
-    let effect: Vec<bool> = (0..order.len())
-        .filter(|j| !leads(j))
-        .map(|j| seen[order[j]])
-        .collect();
-    let beta = echelon
-        .relations()
-        .iter()
-        .map(|row| with_effect(row, &effect))
-        .collect();
+    let beta = match goal {
+        Goal::Choice => Vec::new(),
+        Goal::Relations => {
+            let others = (0..order.len()).filter(|j| !leads(j));
+            let effect: Vec<bool> = others.map(|j| seen[order[j]]).collect();
+            let relations = echelon.relations();
+            relations.iter().map(|r| with_effect(r, &effect)).collect()
+        }
+    };
     Run {
         p: modulus.p(),
         seed,
