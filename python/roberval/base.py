@@ -7,20 +7,22 @@ import os
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, arrays, rendering
+from . import _core, arrays, files, rendering
 from .arrays import Array
+from .code import Code, Compiled
 from .diagnosis import Diagnosis
-from .errors import DoubtfulRankWarning, MissingPackageError, RobotWarning
+from .errors import DoubtfulRankWarning, MissingPackageError, OptionError, RobotWarning
 from .exact import Exact, coefficient
 from .options import Options
 from .rendering import Rendered
-from .writing import write_whole
+from .symbolic import SymbolicRelations
 
 if TYPE_CHECKING:
     import pandas
@@ -346,7 +348,75 @@ class BaseParameters(Rendered):
         OSError
             The file cannot be written.
         """
-        write_whole(path, self._inner.certificate())
+        files.write(path, self._inner.certificate())
+
+    def relations_symbolic(self, *, name_lengths: bool = False) -> SymbolicRelations:
+        """Return the relations in symbols, verified at random values of them.
+
+        Named constants of the robot's file stay symbols; where it has none, all lengths get
+        names such as d3, r4 (from a URDF x3, y3, z3). Constant angles that are not right
+        enter by their cosines and sines.
+
+        Parameters
+        ----------
+        name_lengths : bool
+            Give names to all lengths that have none.
+        """
+        return SymbolicRelations._of(self._inner.symbolic(name_lengths))
+
+    def code(
+        self,
+        language: str = "c",
+        what: str = "tau",
+        *,
+        parameters: str = "base",
+        friction: bool = False,
+    ) -> Code:
+        """Return the reduced model as straight-line code, customised to the robot.
+
+        Parameters
+        ----------
+        language : {"c", "rust", "python", "matlab"}
+            C99, Rust without std, NumPy over any number of samples, MATLAB or Octave.
+        what : {"tau", "regressor", "energy", "gravity", "mass"}
+            Inverse dynamics tau(q, qd, qdd), the reduced regressor d1, the energy row h1,
+            torques of gravity, mass matrix.
+        parameters : {"base", "standard"}
+            What the code takes as parameters.
+        friction : bool
+            Add ``Fv qd + Fc sign(qd)`` to tau, with two parameters more a joint.
+        """
+        if parameters not in ("base", "standard"):
+            raise OptionError(f"parameters is {parameters!r}, expected 'base' or 'standard'")
+        standard = parameters == "standard"
+        return Code._of(self._inner, language, what, standard=standard, friction=friction)
+
+    def compile(self) -> Compiled:
+        """Return a fast callable with the signature of `regressor`.
+
+        Generated C is compiled where a C compiler is found; else the package's own kernels
+        do the work.
+        """
+        return Compiled(self)
+
+    def to_html(self) -> str:
+        """Return the report as the text of one HTML page; see `report`."""
+        return self._inner.report()
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write a report to look at: one HTML page, offline, for a screen, a phone or paper.
+
+        Parameters
+        ----------
+        path : str or path
+            The file to write; one that exists is replaced.
+
+        Returns
+        -------
+        Path
+            The file, absolute.
+        """
+        return files.write(path, self._inner.report())
 
     def to_frame(self) -> pandas.DataFrame:
         """Return a pandas DataFrame with one row for each standard parameter.

@@ -1,25 +1,24 @@
 """Check a roberval certificate: `python check_certificate.py certificate.json`.
 
-This file stands alone: plain Python, whole numbers only, no code shared with roberval. From the
-geometry in the certificate it builds a model of its own, the energies of all links in the base's
-frame: whether the certificate is about d, d0 or h, parameters have no effect together exactly when
-they add a constant to the energy (Gautier 1991, eq. (11)). At random states of its own, modulo each
-prime and with 768 binary digits, it eliminates the base columns: they must be independent (modulo
-a prime this is a proof), leave nothing of any other column, at fresh states too, and give beta:
-exactly or, where the certificate says "nearest", rounded to the nearest double. Modulo a prime,
-powers of random rotations stand for multiples of units of angle: exactly if the only one is a
-number (Lindemann). The SHA-256 alone guards version, model, seeds, samples, changes, texts of
-generic angles, rounding error, witnesses. Exit code: 0 accepted, 1 refused, 2 nothing to be read.
+This file stands alone: plain Python, whole numbers only, no code shared with roberval. It builds a
+model of its own, the energies of all links: whether the certificate is about d, d0 or h, parameters
+have no effect together exactly when they add a constant to the energy (Gautier 1991, eq. (11)). At
+random states, modulo each prime and with 768 binary digits, it eliminates the base columns: they
+must be independent (modulo a prime this is a proof), leave nothing of any other column, and give
+beta, exactly or rounded to the nearest double. Modulo a prime, powers of random rotations stand for
+multiples of units of angle, exactly if the only one is a number (Lindemann). The SHA-256 guards the
+other entries. Exit code: 0 accepted, 1 refused, 2 nothing to be read.
 """
 
-# ruff: noqa: B905, D102, D103
+# ruff: noqa: B905, D102, D103, E731
 import ast
 import hashlib
 import json
 import random
 import sys
+from collections.abc import Callable
 from fractions import Fraction
-from functools import partial
+from functools import partial, reduce
 from math import isqrt, lcm, prod
 from pathlib import Path
 from typing import Any
@@ -31,6 +30,7 @@ KEYS = """angle_order base beta changes degree failure_log2 format generic model
 primes rank regrouped robot robot_sha256 rounding_error samples seeds sha256 version witnesses"""
 Vector = list[int]
 Rotation = tuple[int, int]  # cosine and sine
+Op = Callable[..., Vector]
 canonical = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=False).encode
 draw = random.SystemRandom().randrange
 
@@ -43,8 +43,6 @@ def require(condition: bool, reason: str) -> None:
 def is_prime(n: int) -> bool:
     """Test as Miller and Rabin do: the first twelve primes decide all n below 3.3e24."""
     bases = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37]
-    if n < 41 or any(n % q == 0 for q in bases):
-        return n in bases
     twos = ((n - 1) & (1 - n)).bit_length() - 1
     powers = [[pow(a, (n - 1) >> k, n) for k in range(1, twos + 1)] for a in bases]
     return all(n - 1 in chain or chain[-1] == 1 for chain in powers)
@@ -71,7 +69,26 @@ def value(node: Any, n: Any) -> Any:
     raise ValueError(f"{node!r} has no place in a number")
 
 
-class Field:
+class Circle:
+    """What numbers modulo p and those with binary digits have in common: rotations."""
+
+    def point(self: Any) -> Rotation:
+        square = self.reduce((t := draw(self.span)) * t)
+        below = self.inverse(self.one + square)
+        return self.reduce((self.one - square) * below), self.reduce(2 * t * below)
+
+    def compose(self: Any, a: Rotation, b: Rotation) -> Rotation:
+        return self.reduce(a[0] * b[0] - a[1] * b[1]), self.reduce(a[0] * b[1] + a[1] * b[0])
+
+    def power(self: Any, a: Rotation, k: int) -> Rotation:
+        result = (self.one, 0)
+        for bit in f"{abs(k):b}":
+            result = self.compose(result, result)
+            result = self.compose(result, a) if bit == "1" else result
+        return result[0], result[1] if k > 0 else self.reduce(-self.one * result[1])
+
+
+class Field(Circle):
     """Numbers modulo p; angles are powers of a rotation of this order and of units."""
 
     def __init__(self, p: int, order: int) -> None:
@@ -88,36 +105,18 @@ class Field:
             self.turn = self.power(self.point(), (p + 1) // order)
             quarter = self.power(self.turn, order // 4)
         cosine = [self.power(self.turn, order // k)[0] for k in (8, 12, 10)]
-        self.roots = {2: 2 * cosine[0], 3: 2 * cosine[1], 5: 4 * cosine[2] - 1}
-
-    def root(self, x: int) -> int:
-        return self.roots.get(x, pow(x, (self.p + 1) // 4, self.p))
-
-    def point(self) -> Rotation:
-        t = draw(self.p)
-        below = self.inverse(1 + t * t)
-        return (1 - t * t) * below % self.p, 2 * t * below % self.p
-
-    def compose(self, a: Rotation, b: Rotation) -> Rotation:
-        return (a[0] * b[0] - a[1] * b[1]) % self.p, (a[0] * b[1] + a[1] * b[0]) % self.p
-
-    def power(self, a: Rotation, k: int) -> Rotation:
-        result = (1, 0)
-        for bit in f"{k:b}":
-            result = self.compose(result, result)
-            result = self.compose(result, a) if bit == "1" else result
-        return result
+        roots = {2: 2 * cosine[0], 3: 2 * cosine[1], 5: 4 * cosine[2] - 1}
+        self.root = lambda x: roots.get(x, pow(x, (p + 1) // 4, p))
 
     def cos_sin(self, s: str, k: int, unit: str) -> Rotation:
         """Turn by s half turns, whole steps of the order, and k times by a random rotation."""
         half = Fraction(s) / 2
         self.needed, self.steps = lcm(self.needed, half.denominator), self.steps + abs(k)
         turn = self.power(self.turn, int(half * self.order) % self.order)
-        cos, sin = self.power(self.units.setdefault(unit, self.point()), abs(k))
-        return self.compose(turn, (cos, sin if k > 0 else -sin))
+        return self.compose(turn, self.power(self.units.setdefault(unit, self.point()), k))
 
 
-class Reals:
+class Reals(Circle):
     """Numbers with BITS digits behind the binary point; rounding leaves some 2^-700."""
 
     one, tiny, span, name = 1 << BITS, 1 << BITS // 2, 1 << BITS, f"with {BITS} binary digits"
@@ -142,27 +141,12 @@ class Reals:
         return sums
 
 
-REALS = Reals()
-
-
-def add(*vectors: Vector) -> Vector:
-    return [sum(parts) for parts in zip(*vectors)]
-
-
-def times(n: Any, v: Vector, factor: int) -> Vector:
-    return [n.reduce(x * factor) for x in v]
-
-
-def minus(n: Any, row: Vector, f: int, pivot: Vector) -> Vector:
-    return [n.reduce(n.one * x - f * y) for x, y in zip(row, pivot)] if f else row
-
-
-def apply(n: Any, a: list[Vector], b: Vector) -> Vector:  # a is given by its columns
-    return [n.reduce(x * b[0] + y * b[1] + z * b[2]) for x, y, z in zip(*a)]
-
-
-def cross(n: Any, a: Vector, b: Vector) -> Vector:
-    return [n.reduce(a[i] * b[j] - a[j] * b[i]) for i, j in ((1, 2), (2, 0), (0, 1))]
+# Vectors; a rotation is given by its columns.
+add: Op = lambda *vectors: [sum(parts) for parts in zip(*vectors)]
+times: Op = lambda n, v, factor: [n.reduce(x * factor) for x in v]
+minus: Op = lambda n, v, f, w: [n.reduce(n.one * x - f * y) for x, y in zip(v, w)] if f else v
+apply: Op = lambda n, a, b: [n.reduce(x * b[0] + y * b[1] + z * b[2]) for x, y, z in zip(*a)]
+cross: Op = lambda n, a, b: [n.reduce(a[i] * b[i + 1] - a[i + 1] * b[i]) for i in (-2, -1, 0)]
 
 
 def placed(n: Any, steps: list[list[str]]) -> tuple[list[Vector], Vector]:
@@ -182,12 +166,18 @@ def placed(n: Any, steps: list[list[str]]) -> tuple[list[Vector], Vector]:
 def energy(n: Any, links: list[Any], gravity: Vector) -> Vector:
     """Return 2 h at a random state: what each parameter adds to twice the energy."""
     row: Vector = []
+    drawn = {x: (draw(n.span), draw(n.span), n.point()) for *_, terms in links for x, *_ in terms}
     frames: dict[str | None, Any] = {None: (n.eye, [0, 0, 0], [0, 0, 0], [0, 0, 0])}
-    for name, antecedent, joint, rotor, (turn, shift), axis in links:
+    for name, antecedent, joint, rotor, (turn, shift), axis, start, terms in links:
         rotation, p, v, w = frames[antecedent]
         arm, rotation = apply(n, rotation, shift), [apply(n, rotation, e) for e in turn]
-        q, qd = draw(n.span), draw(n.span)
-        k = apply(n, rotation, axis)
+        q, qd, k = draw(n.span), draw(n.span), apply(n, rotation, axis)
+        if terms:  # it follows others: a sum, and on the circle a product of powers
+            q, qd = (n.reduce(sum(m * drawn[x][i] for x, m, _ in terms)) for i in (0, 1))
+            q += start if joint == "prismatic" else 0
+        if terms and joint == "revolute":
+            cos, sin = reduce(n.compose, [n.power(drawn[x][2], i) for x, _, i in terms], start)
+            q = n.reduce(sin * n.inverse(n.one + cos))
         if joint == "revolute":  # e + 2 (x x e + x x (x x e)) / (1 + x.x), x = k tan(angle/2)
             x = times(n, k, q)
             factor = 2 * n.inverse(n.one + n.reduce(sum(c * c for c in x)))
@@ -209,17 +199,26 @@ def energy(n: Any, links: list[Any], gravity: Vector) -> Vector:
     return row
 
 
-def eliminate(n: Any, cert: Any, labels: list[str]) -> None:
+def eliminate(n: Any, cert: Any, labels: list[str]) -> int:
     """Eliminate the base columns from random rows: nothing may be left, and beta comes out."""
-    gravity, links = [value(x, n) for x in cert["robot"]["gravity"]], []
-    for link in cert["robot"]["links"]:
-        head = [link[key] for key in ("name", "antecedent", "joint", "rotor")]
-        links.append([*head, placed(n, link["placement"]), [value(x, n) for x in link["axis"]]])
+    robot, links, turns = cert["robot"], list[Any](), 0
+    gravity = [value(x, n) for x in robot["gravity"]]
+    for link in robot["links"]:
+        joint, (start, terms) = link["joint"], link["couple"] or ("0", [])
+        turned = joint == "revolute" and bool(terms)
+        powers = [Fraction(m) * robot["roots"][x] if turned else Fraction(0) for x, m in terms]
+        require({k.denominator for k in powers} <= {1}, f"{link['name']} is at no whole powers")
+        turns += int(sum(map(abs, powers))) if turned else joint != "fixed"
+        start = n.cos_sin(*start) if turned else value(start, n)
+        terms = [(x, value(m, n), int(k)) for (x, m), k in zip(terms, powers)]
+        axis, place = [value(x, n) for x in link["axis"]], placed(n, link["placement"])
+        head = link["name"], link["antecedent"], joint, link["rotor"]
+        links.append((*head, place, axis, start, terms))
     kept, b = cert["base"] + cert["regrouped"], len(cert["base"])
     pivots: list[tuple[int, Vector]] = []
-    start, columns, silent = energy(n, links, gravity), [labels.index(x) for x in kept], 0
+    first, columns, silent = energy(n, links, gravity), [labels.index(x) for x in kept], 0
     while silent < FRESH:
-        full = [n.reduce(n.one * (x - y)) for x, y in zip(energy(n, links, gravity), start)]
+        full = [n.reduce(n.one * (x - y)) for x, y in zip(energy(n, links, gravity), first)]
         for x in cert["no_effect"]:
             require(abs(full[labels.index(x)]) <= n.tiny, f"{x} has an effect, {n.name}")
         row = [full[column] for column in columns]
@@ -239,6 +238,7 @@ def eliminate(n: Any, cert: Any, labels: list[str]) -> None:
         for x, found in zip(kept[b:], row[b:]):
             text = beta.get((kept[k], x), "0")
             require(agrees(n, found, text), f"beta of {kept[k]}, {x} is not {text}, {n.name}")
+    return turns
 
 
 def agrees(n: Any, found: int, text: str) -> bool:
@@ -259,8 +259,8 @@ def check(text: str) -> str:
     for name, part in (("robot_sha256", robot), ("sha256", {**cert, "sha256": ""})):
         digest = hashlib.sha256(canonical(part).encode()).hexdigest()
         require(cert[name] == digest, f"{name} is that of something else: it was changed")
-    joints, kinds = [link["joint"] for link in robot["links"]], {"revolute", "prismatic", "fixed"}
-    require({*joints} <= kinds and cert["model"] in ("d", "d0", "h"), "no such joint or model")
+    joints, known = {x["joint"] for x in robot["links"]}, {"revolute", "prismatic", "fixed"}
+    require(joints <= known and cert["model"] in ("d", "d0", "h"), "no such joint or model")
     labels = [f"{x}_{y['name']}" for y in robot["links"] for x in KINDS[: 10 + y["rotor"]]]
     columns = sorted(cert["no_effect"] + base + cert["regrouped"])
     require(columns == sorted({*labels}) == sorted(order), "the columns are not those of the robot")
@@ -271,12 +271,12 @@ def check(text: str) -> str:
     require({j for _, j, _ in cert["beta"]} == {*cert["regrouped"]}, "beta has an empty column")
     require(len({*primes}) == len(primes) >= 2, "there are less than two primes")
     for p in primes:
-        fits = 1 << 61 < p < 1 << 62 and is_prime(p) and (p + 1) % cert["angle_order"] == 0
+        fits = 1 << 61 < p < 1 << 62 and (p + 1) % cert["angle_order"] == 0 and is_prime(p)
         require(fits, f"{p} is no prime of 62 bits, -1 modulo the angles' order")
-        eliminate(field := Field(p, cert["angle_order"]), cert, labels)
+        turns = eliminate(field := Field(p, cert["angle_order"]), cert, labels)
         require(field.needed == cert["angle_order"], f"the angles' order is {field.needed}")
-    eliminate(REALS, cert, labels)
-    degree = 6 * (len(joints) - joints.count("fixed") + field.steps) + 2
+    eliminate(Reals(), cert, labels)
+    degree = 6 * (turns + field.steps) + 2
     require(cert["degree"] == degree, f"the degree is {degree}")
     numbers = sum(not any(map(str.isalpha, unit)) for unit in field.units)  # "0" among them
     generic = len(field.units) - (2 if numbers == 2 else 1)

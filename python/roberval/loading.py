@@ -6,10 +6,9 @@ import os
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from . import _core
+from . import _core, files
 from .options import Number, Snap, reading
 from .robot import Robot
-from .writing import write_whole
 
 
 class CatalogueEntry(NamedTuple):
@@ -124,7 +123,7 @@ def clean_file(
     """
     snap = "aggressive" if aggressive else "default"
     text, changes, near_misses = _core.clean_file(_path("clean_file", path_or_name), snap)
-    write_whole(output, text)
+    files.write(output, text)
     return Cleaned(tuple(changes), tuple(near_misses))
 
 

@@ -5,6 +5,7 @@
 //! The certificate is one line of canonical JSON (keys sorted, no spaces, whole numbers
 //! and texts only), so that its SHA-256 fixes every byte of it.
 
+mod couples;
 mod numbers;
 
 use num_bigint::BigUint;
@@ -15,6 +16,7 @@ use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::{ExactDecision, Witness};
+use couples::Couples;
 use numbers::{Constants, coefficient, exact_text, unit_text};
 
 /// The name of this form of certificate.
@@ -48,6 +50,14 @@ pub enum CertificateError {
         text: String,
         /// The limit.
         limit: usize,
+    },
+    /// A multiplier or an axis of coupled joints is no fraction, or its numbers are too large.
+    #[error(
+        "the joint {joint:?} follows others in a way that has no form in a certificate: its multiplier or axis must be fractions of small numbers"
+    )]
+    Couple {
+        /// The joint.
+        joint: String,
     },
     /// The coefficients are not known well enough.
     #[error(
@@ -120,11 +130,15 @@ pub fn certificate_text(certificate: &Value) -> String {
 fn robot(mechanism: &Mechanism) -> Result<Value, CertificateError> {
     let description = &mechanism.description;
     let constants = description.constants.as_slice();
-    let units = AngleUnits::of(description, AngleOrder::of(description));
+    let units = AngleUnits::of(mechanism, AngleOrder::of(mechanism));
+    let couples = Couples::of(mechanism, &units)?;
+    let mut variables = 0..;
     let links: Vec<Value> = mechanism
         .links
         .iter()
         .map(|link| {
+            let moves = link.joint != JointKind::Fixed;
+            let variable = moves.then(|| variables.next()).flatten();
             let antecedent = link.antecedent.map(|a| mechanism.links[a].name.as_str());
             let written = &description.links[link.in_file];
             let (placement, axis) = geometry(written, constants, &units)?;
@@ -134,7 +148,8 @@ fn robot(mechanism: &Mechanism) -> Result<Value, CertificateError> {
                 "joint": joint(link),
                 "rotor": link.rotor,
                 "placement": placement,
-                "axis": axis,
+                "axis": couples.axis(variable, written, axis)?,
+                "couple": couples.couple(variable)?,
             }))
         })
         .collect::<Result<_, _>>()?;
@@ -142,6 +157,7 @@ fn robot(mechanism: &Mechanism) -> Result<Value, CertificateError> {
         "name": mechanism.name,
         "gravity": vector(&description.gravity, constants)?,
         "links": links,
+        "roots": couples.roots(),
     }))
 }
 
@@ -163,12 +179,7 @@ fn geometry(
     let length = |x: &Quantity| exact_text(x, constants);
     let zero = || "0".to_owned();
     let turn = |axis: &str, x: &Quantity| {
-        let parts = units.parts(x);
-        let (steps, unit) = match parts.multiple {
-            Some((unit, steps)) => (steps, unit_text(&units.units()[unit], constants)?),
-            None => (0, zero()),
-        };
-        let half_turns = parts.half_turns.to_string();
+        let (half_turns, steps, unit) = angle(x, constants, units)?;
         Ok(json!(["turn", axis, half_turns, steps, unit]))
     };
     match &link.geometry {
@@ -194,6 +205,20 @@ fn geometry(
             Ok((steps, vector(axis, constants)?))
         }
     }
+}
+
+/// (s, k, unit) of the angle s pi + k unit.
+fn angle(
+    x: &Quantity,
+    constants: &Constants,
+    units: &AngleUnits<'_>,
+) -> Result<(String, i64, String), CertificateError> {
+    let parts = units.parts(x);
+    let (steps, unit) = match parts.multiple {
+        Some((unit, steps)) => (steps, unit_text(&units.units()[unit], constants)?),
+        None => (0, "0".to_owned()),
+    };
+    Ok((parts.half_turns.to_string(), steps, unit))
 }
 
 fn vector(v: &[Quantity; 3], constants: &Constants) -> Result<[String; 3], CertificateError> {
@@ -232,6 +257,14 @@ fn witness(witness: &Witness) -> Value {
         "gap": gap(witness.gap),
         "gap_at_structural": gap(witness.gap_at_structural),
     })
+}
+
+/// The SHA-256 of what the analysis depends on in a robot: a certificate's `robot_sha256`.
+///
+/// # Errors
+/// [`CertificateError::TooLong`] if a number is too long to be written.
+pub fn robot_sha256(mechanism: &Mechanism) -> Result<String, CertificateError> {
+    Ok(sha256(&robot(mechanism)?))
 }
 
 fn sha256(value: &Value) -> String {

@@ -4,7 +4,7 @@
 use roberval_mechanism::{Change, Cleaning, Mechanism, RobotDescription, apply};
 use roberval_regressor::Model;
 
-use crate::{BaseError, choose_exactly};
+use crate::{BaseError, choose_exactly, decide_precisely};
 
 /// Groups of equal numbers that are tried one by one to find those to blame.
 const MOST_GROUPS: usize = 24;
@@ -71,7 +71,12 @@ pub(crate) fn literal(
 fn rank_of(description: &RobotDescription, model: Model, seed: u64) -> Result<usize, BaseError> {
     let mechanism = Mechanism::new(description)?;
     let order: Vec<usize> = (0..mechanism.parameters().len()).collect();
-    Ok(choose_exactly(&mechanism, model, &order, seed)?.len())
+    let kept = if mechanism.assembly.is_none() {
+        choose_exactly(&mechanism, model, &order, seed)?
+    } else {
+        decide_precisely(&mechanism, model, &order, seed)?.kept
+    };
+    Ok(kept.len())
 }
 
 /// The groups that alone make a difference; all, if none does.

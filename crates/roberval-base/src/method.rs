@@ -10,8 +10,8 @@ use crate::literal::{Literal, literal};
 use crate::observation::check_size;
 use crate::result::Classes;
 use crate::{
-    BaseError, BaseParameters, Choice, Diagnosis, Engine, ExactDecision, ExactNumber, Observation,
-    Samples, decide_exactly, nullspace_rank, observe,
+    BaseError, BaseParameters, Choice, Diagnosis, Engine, ExactNumber, NullspaceDecision,
+    Observation, Samples, decide_exactly, decide_precisely, nullspace_rank, observe,
 };
 
 /// Samples are never fewer than this: a subtree's own columns (at most 11 a link) are
@@ -61,7 +61,7 @@ pub(crate) fn random_samples(
 ) -> Result<Samples, BaseError> {
     let columns = mechanism.parameters().len();
     let count = sample_count(mechanism, options.model, options.rows, 2 * columns)?;
-    Ok(Samples::draw(mechanism, count, options.seed))
+    Ok(Samples::draw(mechanism, count, options.seed)?)
 }
 
 /// [`base_parameters`] at samples of one's own, such as [`crate::scale`] finds;
@@ -82,7 +82,7 @@ pub fn base_parameters_at(
 #[derive(Default)]
 pub(crate) struct Facts {
     literal: OnceCell<Option<Literal>>,
-    nullspace_rank: OnceCell<usize>,
+    nullspace: OnceCell<NullspaceDecision>,
 }
 
 impl Facts {
@@ -100,12 +100,13 @@ impl Facts {
         Ok(self.literal.get_or_init(|| found).clone())
     }
 
-    fn nullspace_rank(&self, mechanism: &Mechanism, seed: u64) -> Result<usize, BaseError> {
-        if let Some(known) = self.nullspace_rank.get() {
-            return Ok(*known);
+    /// The parameter nullspace algorithm's answer (of the opened tree, if there are loops).
+    fn nullspace(&self, mechanism: &Mechanism, seed: u64) -> Result<&NullspaceDecision, BaseError> {
+        if let Some(known) = self.nullspace.get() {
+            return Ok(known);
         }
-        let found = nullspace_rank(mechanism, seed)?.rank;
-        Ok(*self.nullspace_rank.get_or_init(|| found))
+        let found = nullspace_rank(mechanism, seed)?;
+        Ok(self.nullspace.get_or_init(|| found))
     }
 }
 
@@ -117,7 +118,10 @@ pub(crate) fn base_parameters_with(
     facts: &Facts,
 ) -> Result<BaseParameters, BaseError> {
     match options.engine {
-        Engine::Exact => by_elimination(mechanism, options, samples, facts),
+        Engine::Exact if mechanism.assembly.is_none() => {
+            by_elimination(mechanism, options, samples, facts)
+        }
+        Engine::Exact | Engine::Precise => by_precision(mechanism, options, samples, facts),
         Engine::Qr | Engine::Qrii | Engine::Svd => by_factorisation(mechanism, options, samples),
     }
 }
@@ -166,7 +170,17 @@ fn by_elimination(
     facts: &Facts,
 ) -> Result<BaseParameters, BaseError> {
     let observation = observe(mechanism, options.model, samples)?;
-    let exact = decide_in_order(mechanism, options, &observation)?;
+    let decide = |order: &[usize]| {
+        Ok(decide_exactly(
+            mechanism,
+            options.model,
+            order,
+            options.seed,
+        )?)
+    };
+    let exact = in_order(mechanism, options, &observation, decide, |d| {
+        [d.kept.clone(), d.deleted.clone(), d.no_effect.clone()]
+    })?;
     let (base, rows) = sorted(&exact.kept);
     let (regrouped, columns) = sorted(&exact.deleted);
     let mut effect = [base.as_slice(), &regrouped].concat();
@@ -183,8 +197,9 @@ fn by_elimination(
     let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
     let witnesses = witnesses(&w, &effect, &options.tolerance)?;
     let literal = facts.literal(mechanism, options, base.len())?;
-    let nullspace = facts.nullspace_rank(mechanism, options.seed)?;
-    let diagnosis = Diagnosis::structural(&exact, nullspace, &witnesses, literal, fresh);
+    let tree = facts.nullspace(mechanism, options.seed)?;
+    let opened = mechanism.closure.is_some();
+    let diagnosis = Diagnosis::structural(&exact, tree, opened, &witnesses, literal, fresh);
     Ok(BaseParameters::new(
         mechanism,
         options,
@@ -202,31 +217,74 @@ fn by_elimination(
     ))
 }
 
-/// The exact decision in the order of the user's choice. QRII's own columns, which only
-/// floats know, are put first and confirmed.
-fn decide_in_order(
+/// The same in pairs of doubles, the float engines as witnesses.
+fn by_precision(
+    mechanism: &Mechanism,
+    options: &Options,
+    samples: &Samples,
+    facts: &Facts,
+) -> Result<BaseParameters, BaseError> {
+    let options = &Options {
+        engine: Engine::Precise,
+        ..options.clone()
+    };
+    let observation = observe(mechanism, options.model, samples)?;
+    let decide = |order: &[usize]| decide_precisely(mechanism, options.model, order, options.seed);
+    let precise = in_order(mechanism, options, &observation, decide, |d| {
+        [d.kept.clone(), d.deleted.clone(), d.no_effect.clone()]
+    })?;
+    let (base, rows) = sorted(&precise.kept);
+    let (regrouped, columns) = sorted(&precise.deleted);
+    let mut effect = [base.as_slice(), &regrouped].concat();
+    effect.sort_unstable();
+    let w = observation.w.select_columns(&effect);
+    check_rows(&w)?;
+    let beta = Matrix::from_fn(base.len(), regrouped.len(), |i, j| {
+        precise.beta[rows[i]][columns[j]]
+    });
+    let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
+    let witnesses = witnesses(&w, &effect, &options.tolerance)?;
+    let literal = facts.literal(mechanism, options, base.len())?;
+    let opened = mechanism.closure.is_some();
+    let tree = opened.then(|| facts.nullspace(mechanism, options.seed));
+    let tree = tree.transpose()?;
+    let diagnosis = Diagnosis::precise(&precise, tree, &witnesses, literal, fresh);
+    let no_effect = precise.no_effect;
+    Ok(BaseParameters::new(
+        mechanism,
+        options,
+        observation.w.rows(),
+        Classes::of(no_effect, base, regrouped, &beta, options.seed),
+        beta,
+        None,
+        diagnosis,
+    ))
+}
+
+/// A decision in the order of the user's choice. QRII's own columns, which only floats
+/// know, are put first and confirmed. `parts` gives a decision's kept, deleted and
+/// effectless columns.
+fn in_order<D>(
     mechanism: &Mechanism,
     options: &Options,
     observation: &Observation,
-) -> Result<ExactDecision, BaseError> {
+    decide: impl Fn(&[usize]) -> Result<D, BaseError>,
+    parts: impl Fn(&D) -> [Vec<usize>; 3],
+) -> Result<D, BaseError> {
     let space = mechanism.parameters();
     let all: Vec<usize> = (0..space.len()).collect();
     let order = options.choice.order(&space, &all)?;
-    let exact = decide_exactly(mechanism, options.model, &order, options.seed)?;
+    let decision = decide(&order)?;
     if options.choice != Choice::Pivoted {
-        return Ok(exact);
+        return Ok(decision);
     }
-    let mut effect = [exact.kept.as_slice(), &exact.deleted].concat();
+    let [kept, deleted, no_effect] = parts(&decision);
+    let mut effect = [kept, deleted].concat();
     effect.sort_unstable();
     let w = equilibrate(&observation.w.select_columns(&effect)).0;
     let mut order: Vec<usize> = qrii(&w)?.permutation.iter().map(|&i| effect[i]).collect();
-    order.extend(&exact.no_effect);
-    Ok(decide_exactly(
-        mechanism,
-        options.model,
-        &order,
-        options.seed,
-    )?)
+    order.extend(&no_effect);
+    decide(&order)
 }
 
 /// What the float engines make of W, whose columns are the robot's `columns`: QRII first,
@@ -259,7 +317,7 @@ pub(crate) fn sample_count(
 ) -> Result<usize, BaseError> {
     let wanted = rows.unwrap_or(at_least);
     check_size(wanted, mechanism.parameters().len())?;
-    let each = model.rows(mechanism.dof());
+    let each = model.rows(mechanism.independent());
     Ok(match (rows, model) {
         (_, Model::H) => wanted + 1, // the first sample is the reference
         (None, _) => wanted.div_ceil(each).max(FEWEST_SAMPLES),
@@ -358,7 +416,7 @@ fn residual_at_fresh_samples(
     regrouped: &[usize],
     beta: &Matrix,
 ) -> Result<f64, BaseError> {
-    let samples = Samples::draw(mechanism, FEWEST_SAMPLES, options.seed.wrapping_add(0x5eed));
+    let samples = Samples::draw(mechanism, FEWEST_SAMPLES, options.seed.wrapping_add(0x5eed))?;
     let Observation { w, .. } = observe(mechanism, options.model, &samples)?;
     let (w1, w2) = (w.select_columns(base), w.select_columns(regrouped));
     let explained = w1.matmul(beta)?;

@@ -44,6 +44,8 @@ fn text(robot: &Mechanism, model: Model, decision: &ExactDecision) -> String {
             rank: decision.kept.len(),
             gap: Some(1.5e11),
             gap_at_structural: None,
+            spectrum: Vec::new(),
+            tolerance: 0.0,
         }],
     };
     certificate_text(&certificate(robot, model, decision, notes).expect("certified"))

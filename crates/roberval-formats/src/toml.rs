@@ -1,6 +1,8 @@
 //! Robot TOML: modified Denavit-Hartenberg frames of Khalil and Kleinfinger.
 
 mod clean;
+mod couple;
+mod loops;
 mod section;
 mod write;
 
@@ -16,6 +18,7 @@ use crate::source::{Source, check_size, stem};
 use crate::suspects;
 use crate::words::{nearest, quoted};
 pub use clean::clean_toml;
+pub(crate) use clean::{change_key, with_spans};
 use section::Section;
 pub use write::to_toml;
 
@@ -28,7 +31,7 @@ const MAX_CONSTANTS: usize = 1000;
 /// The name that stands for the base in `antecedent`.
 pub(crate) const BASE: &str = "base";
 
-const ROBOT_KEYS: &[&str] = &["name", "gravity", "constants", "link"];
+const ROBOT_KEYS: &[&str] = &["name", "gravity", "constants", "link", "couple", "loop"];
 const LINK_KEYS: &[&str] = &[
     "name",
     "antecedent",
@@ -62,19 +65,30 @@ pub fn parse_toml(text: &str, source_name: &str) -> Result<RobotDescription, For
         name: robot.name("name")?.unwrap_or_else(|| stem(source_name)),
         gravity: gravity(&robot, &constants)?,
         links: Vec::new(),
+        couples: Vec::new(),
+        loops: Vec::new(),
         constants,
         format: SourceFormat::Mdh,
         warnings: Vec::new(),
     };
+    let dependent = couple::dependent_joints(&robot)?;
     let tables = link_tables(&robot)?;
     for (number, (table, offset)) in (1..).zip(&tables) {
         let place = format!("link {number}");
         let section = Section::new(&source, *table, &place, *offset);
         let previous = description.links.last().map(|link| link.name.as_str());
-        let link = link(&section, number, previous, &description.constants)?;
+        let link = link(
+            &section,
+            number,
+            previous,
+            &dependent,
+            &description.constants,
+        )?;
         description.links.push(link);
     }
     check_tree(&source, &description, &tables)?;
+    couple::couples(&robot, &mut description)?;
+    description.loops = loops::read(&robot, &description)?;
     description.warnings = warnings(&description);
     Ok(description)
 }
@@ -145,17 +159,33 @@ fn gravity(robot: &Section, constants: &Constants) -> Result<[Quantity; 3], Form
     Ok(robot.vector("gravity", constants)?.unwrap_or_else(default))
 }
 
-type LinkTables<'d> = Vec<(&'d dyn TableLike, usize)>;
+type Tables<'d> = Vec<(&'d dyn TableLike, usize)>;
 
-/// The `[[link]]` tables (or the tables of an array `link = [...]`) and where they begin.
-fn link_tables<'d>(robot: &Section<'_, 'd>) -> Result<LinkTables<'d>, FormatError> {
+/// The `[[link]]` tables: at least one.
+fn link_tables<'d>(robot: &Section<'_, 'd>) -> Result<Tables<'d>, FormatError> {
+    let tables = tables(robot, "link")?;
+    if tables.is_empty() {
+        return Err(
+            FormatError::new(Code::NoLink, robot.source.name, "the robot has no link")
+                .hint("describe each link in a [[link]] table"),
+        );
+    }
+    Ok(tables)
+}
+
+/// The `[[key]]` tables (or the tables of an array `key = [...]`) and where they begin.
+fn tables<'d>(robot: &Section<'_, 'd>, key: &str) -> Result<Tables<'d>, FormatError> {
     let start = |span: Option<std::ops::Range<usize>>| span.map_or(0, |s| s.start);
     let wrong = || {
         robot
-            .fault(Code::WrongType, "link", "link must be a list of tables")
-            .hint("begin each link with [[link]]")
+            .fault(
+                Code::WrongType,
+                key,
+                format!("{key} must be a list of tables"),
+            )
+            .hint(format!("begin each {key} with [[{key}]]"))
     };
-    let tables: LinkTables = match robot.table.get("link") {
+    let tables: Tables = match robot.table.get(key) {
         None => Vec::new(),
         Some(Item::ArrayOfTables(tables)) => tables
             .iter()
@@ -171,12 +201,6 @@ fn link_tables<'d>(robot: &Section<'_, 'd>) -> Result<LinkTables<'d>, FormatErro
             })
             .collect::<Result<_, FormatError>>()?,
     };
-    if tables.is_empty() {
-        return Err(
-            FormatError::new(Code::NoLink, robot.source.name, "the robot has no link")
-                .hint("describe each link in a [[link]] table"),
-        );
-    }
     Ok(tables)
 }
 
@@ -184,6 +208,7 @@ fn link(
     section: &Section,
     number: usize,
     previous: Option<&str>,
+    dependent: &[String],
     constants: &Constants,
 ) -> Result<LinkDescription, FormatError> {
     section.only(LINK_KEYS)?;
@@ -196,7 +221,8 @@ fn link(
     }
     let joint = joint_kind(section)?;
     let moving = joint != JointKind::Fixed;
-    let active = section.boolean("active")?.unwrap_or(moving);
+    let driven = moving && !dependent.contains(&name);
+    let active = section.boolean("active")?.unwrap_or(driven);
     let rotor = section.boolean("rotor")?.unwrap_or(active && moving);
     for (key, value) in [("active", active), ("rotor", rotor)] {
         if value && !moving {
@@ -216,7 +242,6 @@ fn link(
         active,
         rotor,
         limits: None,
-        mimic: None,
     })
 }
 
@@ -301,7 +326,7 @@ fn inertia(
 fn check_tree(
     source: &Source,
     description: &RobotDescription,
-    tables: &LinkTables,
+    tables: &Tables,
 ) -> Result<(), FormatError> {
     let Err(fault) = description.antecedents() else {
         return Ok(());

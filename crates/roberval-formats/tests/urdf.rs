@@ -75,19 +75,23 @@ fn joints_keep_their_kind_limits_and_mimic() {
     let robot = read(SMALL, LUMPED);
     let upper = link(&robot, "upper");
     assert_eq!((upper.joint, upper.limits), (JointKind::Revolute, None));
-    assert!(upper.active && upper.rotor && upper.mimic.is_none());
+    assert!(upper.active && upper.rotor);
     let lower = link(&robot, "lower");
     assert_eq!(
         (lower.joint, lower.limits),
         (JointKind::Prismatic, Some((-0.1, 0.2)))
     );
     let finger = link(&robot, "finger");
-    let mimic = finger.mimic.as_ref().unwrap();
-    assert_eq!(mimic.joint, "shoulder");
-    assert_eq!(
-        (mimic.multiplier.text.as_str(), mimic.offset.text.as_str()),
-        ("-0.5", "0.1")
-    );
+    let [couple] = &robot.couples[..] else {
+        panic!("one couple")
+    };
+    assert_eq!(couple.joint, "finger");
+    let terms = couple.terms.iter();
+    let terms: Vec<_> = terms
+        .map(|t| (t.joint.as_str(), t.multiplier.text.as_str()))
+        .collect();
+    assert_eq!(terms, [("upper", "-0.5")], "links' names, not joints'");
+    assert_eq!(couple.offset.text, "0.1");
     assert!(
         !finger.active && !finger.rotor,
         "a mimic joint has no motor of its own"
@@ -96,12 +100,9 @@ fn joints_keep_their_kind_limits_and_mimic() {
 }
 
 #[test]
-fn warnings_say_what_is_missing_and_what_is_not_applied() {
+fn warnings_say_what_is_odd() {
     let robot = read(SMALL, LUMPED);
-    assert_eq!(
-        robot.warnings,
-        ["mimic joints, not applied yet: they move freely (1): \"finger\"",]
-    );
+    assert_eq!(robot.warnings, [""; 0]);
     let none = read("<robot name='r'><link name='a'/></robot>", LUMPED);
     assert_eq!(none.warnings, ["no joint of the robot moves"]);
     let odd = read(

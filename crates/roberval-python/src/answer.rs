@@ -10,6 +10,7 @@ use crate::calls::detached;
 use crate::options::rendering;
 use crate::scaling::matrix;
 use crate::states::vector;
+use crate::symbols::{CodeRow, Symbolic, code};
 
 /// The base parameters of a robot, immutable. Columns are numbers into the robot's labels.
 #[pyclass(frozen, module = "roberval._core")]
@@ -164,6 +165,28 @@ impl Answer {
     /// The text of a certificate.
     fn certificate(&self, py: Python<'_>) -> PyResult<String> {
         detached(py, || self.answer.certificate())
+    }
+
+    /// The report: one HTML page.
+    fn report(&self, py: Python<'_>) -> String {
+        py.detach(|| tables::report(&self.answer))
+    }
+
+    /// The relations in symbols; all lengths get names, or only where none has.
+    fn symbolic(&self, py: Python<'_>, all: bool) -> PyResult<Symbolic> {
+        Symbolic::of(py, &self.answer, all)
+    }
+
+    /// Generated code: text, function, parameters, shape, operations a state and once.
+    fn code(
+        &self,
+        py: Python<'_>,
+        language: &str,
+        what: &str,
+        standard: bool,
+        friction: bool,
+    ) -> PyResult<CodeRow> {
+        code(py, &self.answer, (language, what), standard, friction)
     }
 
     /// XR1 = X1 + beta (X2 - XR2).

@@ -148,6 +148,11 @@ impl Robot {
     }
 
     #[getter]
+    fn independent(&self) -> usize {
+        self.regressor.independent()
+    }
+
+    #[getter]
     fn dof(&self) -> usize {
         self.regressor.dof()
     }
@@ -214,7 +219,7 @@ impl Robot {
         let width = columns
             .as_ref()
             .map_or(self.regressor.parameters().len(), Vec::len);
-        let size = model.rows(self.regressor.dof()) * width;
+        let size = model.rows(self.regressor.independent()) * width;
         states.fill_blocks(py, size, out, |states, out| match &columns {
             None => self.regressor.fill(model, states, out),
             Some(columns) => self.regressor.fill_columns(model, columns, states, out),
@@ -234,7 +239,7 @@ impl Robot {
         let x = vector(&x)?;
         let states = OwnedStates::copy(&q, &qd, &qdd)?;
         drop((q, qd, qdd));
-        states.fill_blocks(py, self.regressor.dof(), out, |states, out| {
+        states.fill_blocks(py, self.regressor.independent(), out, |states, out| {
             self.regressor.torques(&x, states, out)
         })
     }

@@ -2,16 +2,23 @@
 //!
 //! * [`Tree`]: the robot's constants in the recursion's scalar.
 //! * [`dynamics`]: the rows of the dynamic model d (and of d0, at rest).
+//! * [`newton_euler`]: the torques themselves, with the forces carried inward.
 //! * [`energy`]: the row of the energy model h.
 //! * [`Sink`]: where the columns go: dense rows, torques, selected columns.
+//! * [`Expansion`]: the state of all joints from that of the independent ones, and G;
+//!   [`Projected`]: rows for the independent ones.
 //! * [`Regressor`]: all of it for floats, over many samples.
 
 mod batch;
 mod dynamics;
 mod energy;
 mod exact;
+mod expansion;
+mod loops;
 mod motion;
+mod newton_euler;
 mod sink;
+mod transmission;
 mod tree;
 mod vector;
 
@@ -19,9 +26,12 @@ pub use batch::{Model, Regressor, RegressorError, States};
 pub use dynamics::{DynamicsWorkspace, dynamics};
 pub use energy::{EnergyWorkspace, energy};
 pub use exact::{
-    AngleOrder, AngleParts, AngleUnit, AngleUnits, ExactModel, ExactWorkspace, NotInField,
-    PreciseModel, RowsWorkspace,
+    AngleOrder, AngleParts, AngleUnit, AngleUnits, CouplePowers, ExactModel, ExactWorkspace,
+    NotInField, PreciseModel, RowsWorkspace, Turn, coupled, whole_multiple,
 };
+pub use expansion::{Expansion, JointStates, NoValue};
 pub use motion::JointMotion;
+pub use newton_euler::{Shape, newton_euler};
 pub use sink::{DenseRows, SelectedRows, Sink, Torques};
+pub use transmission::{Projected, Transmission};
 pub use tree::{Body, Constants, Tree};

@@ -13,7 +13,9 @@ mod magnitude;
 mod nearest;
 mod primes;
 mod random;
+mod real;
 mod scalar;
+pub mod vector;
 
 pub use cancel::{Cancelled, cancellable, cancellation_point};
 pub use double_double::DoubleDouble;
@@ -27,4 +29,5 @@ pub use magnitude::Magnitude;
 pub use nearest::nearest_double;
 pub use primes::{is_prime, random_prime};
 pub use random::SplitMix64;
+pub use real::Real;
 pub use scalar::Scalar;

@@ -6,7 +6,7 @@ use crate::document::{Block, Column, Document, Item, Table};
 use crate::escape::csv_cell;
 use crate::number::{exact, shortest};
 use crate::relation::Label;
-use crate::{csv_text, robot};
+use crate::{couples, csv_text, robot};
 
 mod json;
 
@@ -14,16 +14,18 @@ pub(crate) use json::json;
 
 /// The robot for people.
 pub(crate) fn document(mechanism: &Mechanism) -> Document {
+    let mut lines = vec![
+        robot::joints_and_gravity(mechanism),
+        format!(
+            "{} joint variables, {} standard parameters",
+            mechanism.dof(),
+            mechanism.parameters().len()
+        ),
+    ];
+    lines.extend(couples::lines(mechanism));
     let mut blocks = vec![
         Block::Title(mechanism.name.clone()),
-        Block::Lines(vec![
-            robot::joints_and_gravity(mechanism),
-            format!(
-                "{} joint variables, {} standard parameters",
-                mechanism.dof(),
-                mechanism.parameters().len()
-            ),
-        ]),
+        Block::Lines(lines),
         Block::Heading("Links".to_owned()),
         Block::Table(links(mechanism)),
     ];

@@ -99,7 +99,7 @@ fn write(expr: &Expr, constants: &Constants, text: &mut String) -> bool {
 
 /// `sqrt(n/d) = sqrt(n d)/d`, a product of square roots of primes where these are easy
 /// to find: a prime field has a certain root of 2, 3 and 5, and must be asked for those.
-fn root_of_fraction(square: &BigRational) -> String {
+pub(super) fn root_of_fraction(square: &BigRational) -> String {
     let mut rest = square.numer() * square.denom();
     let mut factor = BigRational::new(BigInt::one(), square.denom().clone());
     let mut roots = Vec::new();

@@ -1,12 +1,13 @@
 //! Two fields, one answer.
 
 use roberval_mechanism::Mechanism;
-use roberval_regressor::{AngleOrder, Model, NotInField};
+use roberval_regressor::{AngleOrder, Model, NoValue, NotInField};
 
 use super::coefficients::coefficients;
 use super::number::ExactNumber;
 use super::rounded::round_open_entries;
 use super::run::{Goal, Run, run};
+use crate::SampleError;
 
 /// Fields asked at most before two must have agreed: a disagreement has a probability
 /// of about 1e-15, so that a second one is a bug.
@@ -54,6 +55,15 @@ pub enum ExactError {
     /// A number of the robot has no place in any of many fields.
     #[error("{0}; give it as a decimal number instead")]
     NotInField(#[from] NotInField),
+    /// The constraints have no value at a random state.
+    #[error(transparent)]
+    NoValue(#[from] NoValue),
+    /// Loops without configurations to sample.
+    #[error(transparent)]
+    Samples(#[from] SampleError),
+    /// Loops that are given implicitly.
+    #[error("loops given by their cut joints are not decided exactly: use the engine \"precise\"")]
+    Loops,
     /// Fields disagree again and again.
     #[error("prime fields disagree about the rank ({ranks:?}): please report this robot")]
     Disagreement {
@@ -73,7 +83,10 @@ pub fn decide_exactly(
     order: &[usize],
     seed: u64,
 ) -> Result<ExactDecision, ExactError> {
-    let angles = AngleOrder::of(&mechanism.description);
+    if mechanism.assembly.is_some() {
+        return Err(ExactError::Loops);
+    }
+    let angles = AngleOrder::of(mechanism);
     let field = |seed: u64, conjugate: u64| {
         let goal = Goal::Relations;
         run(mechanism, model, order, angles, seed, conjugate, goal)
@@ -117,7 +130,10 @@ pub fn choose_exactly(
     order: &[usize],
     seed: u64,
 ) -> Result<Vec<usize>, ExactError> {
-    let angles = AngleOrder::of(&mechanism.description);
+    if mechanism.assembly.is_some() {
+        return Err(ExactError::Loops);
+    }
+    let angles = AngleOrder::of(mechanism);
     let field = |k: u64| {
         let seed = field_seed(seed, k);
         run(mechanism, model, order, angles, seed, 1, Goal::Choice)

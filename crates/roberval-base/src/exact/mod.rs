@@ -20,3 +20,5 @@ mod run;
 pub use decision::{ExactDecision, ExactError, choose_exactly, decide_exactly};
 pub(crate) use field::in_some_field;
 pub use number::ExactNumber;
+pub(crate) use rounded::columns_of_w;
+pub use run::{Run, eliminate};

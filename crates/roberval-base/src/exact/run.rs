@@ -13,13 +13,18 @@ const SILENT_SAMPLES: usize = 2;
 /// What one field says. Columns are the robot's; those of `kept` and of `beta`'s rows
 /// and columns are in the order they were asked for.
 #[derive(Debug, Clone)]
-pub(crate) struct Run {
+pub struct Run {
+    /// The prime.
     pub p: u64,
+    /// The seed of all that was random.
     pub seed: u64,
+    /// Samples taken until nothing was new.
     pub samples: usize,
     /// Columns that are zero (constant, for h) at every sample, ascending.
     pub no_effect: Vec<usize>,
+    /// Independent columns.
     pub kept: Vec<usize>,
+    /// The other columns with an effect.
     pub deleted: Vec<usize>,
     /// Residues of beta; nothing if they were not asked for.
     pub beta: Vec<Vec<u64>>,
@@ -29,8 +34,9 @@ pub(crate) struct Run {
     pub algebraic: bool,
     /// Degree of a row's entries in the random values.
     pub degree: u64,
-    /// Residues of the square roots of 2 and 3 that the angles mean.
+    /// Residue of the square root of 2 that the angles mean.
     pub sqrt2: u64,
+    /// Residue of the square root of 3.
     pub sqrt3: u64,
     /// Whether lengths of the description have square roots.
     pub roots: bool,
@@ -59,11 +65,24 @@ pub(crate) fn run(
     goal: Goal,
 ) -> Result<Run, NotInField> {
     in_some_field(mechanism, angle_order, seed, conjugate, |exact, random| {
-        eliminate(mechanism, model, order, exact, seed, random, goal)
+        eliminate_to(mechanism, model, order, exact, seed, random, goal)
     })
 }
 
-fn eliminate<'m>(
+/// Analyses the robot of an exact model: [`Run`] in its field. `random` draws the states.
+pub fn eliminate<'m>(
+    mechanism: &Mechanism,
+    model: Model,
+    order: &[usize],
+    exact: &ExactModel<'m>,
+    seed: u64,
+    random: &mut SplitMix64,
+) -> Run {
+    let goal = Goal::Relations;
+    eliminate_to(mechanism, model, order, exact, seed, random, goal)
+}
+
+fn eliminate_to<'m>(
     mechanism: &Mechanism,
     model: Model,
     order: &[usize],
@@ -79,7 +98,7 @@ fn eliminate<'m>(
         exact,
         work: exact.workspace(),
         model,
-        values: vec![zero; model.rows(mechanism.dof()) * space.len()],
+        values: vec![zero; model.rows(mechanism.independent()) * space.len()],
         reference: None,
     };
     let mut echelon = Echelon::new(modulus, order.len());

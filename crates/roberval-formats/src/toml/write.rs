@@ -1,10 +1,11 @@
 use std::fmt::Write;
 
 use roberval_mechanism::{
-    Geometry, JointKind, LinkDescription, ParameterKind, RobotDescription, SourceFormat,
+    Couple, Geometry, JointKind, LinkDescription, LoopClosure, ParameterKind, RobotDescription,
+    SourceFormat, Term,
 };
 use roberval_scalar::Quantity;
-use toml_edit::Value;
+use toml_edit::{Key, Value};
 
 use super::BASE;
 use crate::error::{Code, FormatError};
@@ -16,7 +17,7 @@ use crate::words::quoted;
 /// # Errors
 /// When the description is no modified Denavit-Hartenberg description (a URDF robot has
 /// frames that its parameters cannot hold), or has what the form cannot hold (joint
-/// names, limits, mimic joints).
+/// names, limits).
 pub fn to_toml(robot: &RobotDescription) -> Result<String, FormatError> {
     let refuse = |what: String| FormatError::new(Code::NotWritable, robot.name.as_str(), what);
     if robot.format != SourceFormat::Mdh {
@@ -30,7 +31,14 @@ pub fn to_toml(robot: &RobotDescription) -> Result<String, FormatError> {
     let mut text = String::new();
     head(&mut text, robot);
     for description in &robot.links {
-        link(&mut text, description).map_err(refuse)?;
+        let dependent = robot.couples.iter().any(|c| c.joint == description.name);
+        link(&mut text, description, dependent).map_err(refuse)?;
+    }
+    for description in &robot.couples {
+        couple(&mut text, description);
+    }
+    for description in &robot.loops {
+        closure(&mut text, description);
     }
     Ok(text)
 }
@@ -47,16 +55,16 @@ fn head(text: &mut String, robot: &RobotDescription) {
     }
 }
 
-fn link(text: &mut String, link: &LinkDescription) -> Result<(), String> {
+fn link(text: &mut String, link: &LinkDescription, dependent: bool) -> Result<(), String> {
     let Geometry::Mdh(geometry) = &link.geometry else {
         return Err(format!(
             "link {} has no modified Denavit-Hartenberg parameters",
             quoted(&link.name)
         ));
     };
-    if link.joint_name.is_some() || link.limits.is_some() || link.mimic.is_some() {
+    if link.joint_name.is_some() || link.limits.is_some() {
         return Err(format!(
-            "link {}: robot TOML has no joint names, limits or mimic joints",
+            "link {}: robot TOML has no joint names or limits",
             quoted(&link.name)
         ));
     }
@@ -70,7 +78,7 @@ fn link(text: &mut String, link: &LinkDescription) -> Result<(), String> {
         JointKind::Fixed => ("fixed", false),
     };
     line(text, "joint", &string(joint));
-    if link.active != moving {
+    if link.active != (moving && !dependent) {
         line(text, "active", &link.active.to_string());
     }
     if link.rotor != (link.active && moving) {
@@ -90,6 +98,42 @@ fn link(text: &mut String, link: &LinkDescription) -> Result<(), String> {
     Ok(())
 }
 
+fn closure(text: &mut String, closure: &LoopClosure) {
+    text.push_str("\n[[loop]]\n");
+    let name = |name: &Option<String>| string(name.as_deref().unwrap_or(BASE));
+    let three = |v: &[Quantity; 3]| format!("[{}]", v.each_ref().map(number).join(", "));
+    let pair = |[a, b]: [String; 2]| format!("[{a}, {b}]");
+    let [a, b] = &closure.between;
+    line(text, "between", &pair([name(a), name(b)]));
+    let zero = Quantity::zero();
+    if closure
+        .frames
+        .iter()
+        .all(|f| f.rpy.iter().all(|x| *x == zero))
+    {
+        let at = closure.frames.each_ref().map(|f| three(&f.xyz));
+        line(text, "at", &pair(at));
+    } else {
+        let frames = closure.frames.each_ref();
+        let frames =
+            frames.map(|f| format!("{{ xyz = {}, rpy = {} }}", three(&f.xyz), three(&f.rpy)));
+        line(text, "frames", &pair(frames));
+    }
+    line(text, "cut", &string(closure.cut.name()));
+    if !closure.near.is_empty() {
+        let near = closure.near.iter();
+        let near: Vec<String> = near
+            .map(|(joint, x)| format!("{} = {}", key(joint), number(x)))
+            .collect();
+        line(text, "near", &format!("{{ {} }}", near.join(", ")));
+    }
+}
+
+/// A key, quoted where TOML wants that.
+fn key(name: &str) -> String {
+    Key::new(name).to_string()
+}
+
 fn inertia(text: &mut String, link: &LinkDescription) {
     let entries: Vec<String> = ParameterKind::ALL
         .iter()
@@ -99,6 +143,16 @@ fn inertia(text: &mut String, link: &LinkDescription) {
     if !entries.is_empty() {
         line(text, "inertia", &format!("{{ {} }}", entries.join(", ")));
     }
+}
+
+fn couple(text: &mut String, couple: &Couple) {
+    let key = |name: &str| Key::new(name).to_string();
+    let term = |t: &Term| format!("{} = {}", key(&t.joint), number(&t.multiplier));
+    let terms: Vec<String> = couple.terms.iter().map(term).collect();
+    text.push_str("\n[[couple]]\n");
+    line(text, "joint", &string(&couple.joint));
+    line(text, "equals", &format!("{{ {} }}", terms.join(", ")));
+    line(text, "offset", &number(&couple.offset));
 }
 
 fn line(text: &mut String, key: &str, value: &str) {

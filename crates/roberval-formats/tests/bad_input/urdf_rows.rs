@@ -483,6 +483,24 @@ pub const ROBOTS: &[Row] = &[
         &["\"j\", \"k\""],
     ),
     (
+        "mimic of a fixed joint",
+        "<link name='c'/><joint name='j' type='revolute'><parent link='a'/><child link='b'/><mimic joint='k'/></joint>\n\
+        <joint name='k' type='fixed'><parent link='b'/><child link='c'/></joint>",
+        "E211",
+        &[
+            "joint \"j\"",
+            "\"k\", which is fixed",
+            "make it a fixed joint",
+        ],
+    ),
+    (
+        "mimic multiplier 0",
+        "<link name='c'/><joint name='j' type='revolute'><parent link='a'/><child link='b'/><mimic joint='k' multiplier='0'/></joint>\n\
+        <joint name='k' type='revolute'><parent link='b'/><child link='c'/></joint>",
+        "E211",
+        &["joint \"j\"", "multiplier 0"],
+    ),
+    (
         "mimic multiplier NaN",
         "<joint name='j' type='revolute'><parent link='a'/><child link='b'/><mimic joint='j' multiplier='nan'/></joint>",
         "E240",

@@ -4,7 +4,7 @@ use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::ToPrimitive;
-use roberval_mechanism::{Geometry, RobotDescription};
+use roberval_mechanism::{Geometry, JointKind, Mechanism, VariableLaw};
 use roberval_scalar::{Fp, LinearInPi, Modulus, Quantity, SplitMix64};
 
 use super::geometry::Rotation;
@@ -27,13 +27,13 @@ pub struct AngleOrder {
 }
 
 impl AngleOrder {
-    /// The least order that holds the description's rational multiples of pi (of those
+    /// The least order that holds the robot's rational multiples of pi (of those
     /// with unwieldy denominators, as many as fit).
     #[must_use]
-    pub fn of(robot: &RobotDescription) -> Self {
+    pub fn of(robot: &Mechanism) -> Self {
         let (mut order, mut needed) = (USUAL_ORDER, 1);
         for angle in angles(robot) {
-            let Some(turns) = LinearInPi::of(&angle.expr, &robot.constants) else {
+            let Some(turns) = LinearInPi::of(&angle.expr, &robot.description.constants) else {
                 continue;
             };
             let turns = turns.half_turns / BigInt::from(2);
@@ -78,12 +78,25 @@ impl AngleOrder {
     }
 }
 
-/// The constant angles.
-pub(crate) fn angles(robot: &RobotDescription) -> impl Iterator<Item = &Quantity> {
-    robot.links.iter().flat_map(|link| match &link.geometry {
-        Geometry::Mdh(g) => vec![&g.gamma, &g.alpha, &g.theta],
-        Geometry::Placed { origins, .. } => origins.iter().flat_map(|o| &o.rpy).collect(),
-    })
+/// The constant angles: those of the geometry, and those at which revolute joints stand
+/// where the ones that they follow stand at 0.
+pub(crate) fn angles(robot: &Mechanism) -> impl Iterator<Item = &Quantity> {
+    let links = robot
+        .description
+        .links
+        .iter()
+        .flat_map(|link| match &link.geometry {
+            Geometry::Mdh(g) => vec![&g.gamma, &g.alpha, &g.theta],
+            Geometry::Placed { origins, .. } => origins.iter().flat_map(|o| &o.rpy).collect(),
+        });
+    let laws = robot.closure.iter().flat_map(|closure| &closure.laws);
+    let offsets = laws
+        .zip(robot.moving())
+        .filter_map(|(law, link)| match law {
+            VariableLaw::Affine(law) if link.joint == JointKind::Revolute => Some(&law.offset),
+            _ => None,
+        });
+    links.chain(offsets)
 }
 
 /// A point of the circle from `t = tan(angle/2)`; `None` where `1 + t^2 = 0`.
@@ -128,7 +141,7 @@ impl<'m, 'd> Angles<'m, 'd> {
     /// `modulus` must be -1 modulo `order`.
     pub fn new(
         modulus: &'m Modulus,
-        robot: &'d RobotDescription,
+        robot: &'d Mechanism,
         order: AngleOrder,
         conjugate: u64,
         random: &mut SplitMix64,
@@ -175,7 +188,7 @@ impl<'m, 'd> Angles<'m, 'd> {
     }
 }
 
-fn random_point<'m>(modulus: &'m Modulus, random: &mut SplitMix64) -> Rotation<Fp<'m>> {
+pub(crate) fn random_point<'m>(modulus: &'m Modulus, random: &mut SplitMix64) -> Rotation<Fp<'m>> {
     loop {
         if let Some(point) = circle_point(modulus.random(random)) {
             return point;

@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 
+use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, ToPrimitive, Zero};
 use roberval_scalar::{Expr, Fp, LinearInPi, Quantity};
@@ -39,6 +40,19 @@ impl<'m> Lengths<'m, '_> {
         }
         self.roots.set(true);
         self.expr(&quantity.expr, angles)
+    }
+
+    /// The positive square root of a fraction.
+    pub fn length(
+        &self,
+        square: &BigRational,
+        angles: &Angles<'m, '_>,
+    ) -> Result<Fp<'m>, NotInField> {
+        let whole = |n: &BigInt| n.sqrt().pow(2) == *n;
+        if !(whole(square.numer()) && whole(square.denom())) {
+            self.roots.set(true);
+        }
+        self.root(square, angles)
     }
 
     pub fn fraction(&self, x: &BigRational) -> Result<Fp<'m>, NotInField> {

@@ -6,14 +6,18 @@
 //! many digits for that, the answer is that of a robot with generic angles, and says so.
 
 mod angles;
+mod closure;
 mod geometry;
 mod lengths;
 mod model;
+mod named;
 mod precise;
 mod units;
 
 pub use angles::AngleOrder;
+pub use closure::{CouplePowers, coupled};
 pub use geometry::RowsWorkspace;
-pub use model::{ExactModel, ExactWorkspace, NotInField};
+pub use model::{ExactModel, ExactWorkspace, NotInField, Turn};
+pub use named::whole_multiple;
 pub use precise::PreciseModel;
 pub use units::{AngleParts, AngleUnit, AngleUnits};

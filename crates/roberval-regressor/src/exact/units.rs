@@ -9,7 +9,7 @@
 use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
-use roberval_mechanism::RobotDescription;
+use roberval_mechanism::Mechanism;
 use roberval_scalar::{LinearInPi, Quantity};
 
 use super::angles::{AngleOrder, angles};
@@ -133,7 +133,7 @@ pub struct AngleParts {
 /// The units of a robot's angles.
 #[derive(Debug, Clone)]
 pub struct AngleUnits<'d> {
-    robot: &'d RobotDescription,
+    robot: &'d Mechanism,
     order: AngleOrder,
     units: Vec<AngleUnit>,
 }
@@ -141,7 +141,7 @@ pub struct AngleUnits<'d> {
 impl<'d> AngleUnits<'d> {
     /// The units of all constant angles, whole multiples of 2 pi/`order` being out.
     #[must_use]
-    pub fn of(robot: &'d RobotDescription, order: AngleOrder) -> Self {
+    pub fn of(robot: &'d Mechanism, order: AngleOrder) -> Self {
         let units = Vec::new();
         let mut all = Self {
             robot,
@@ -193,7 +193,7 @@ impl<'d> AngleUnits<'d> {
     /// Whole n-th parts of a turn, over pi, and the rest.
     fn halves(&self, angle: &Quantity) -> (BigRational, Option<Rest>) {
         let zero = BigRational::zero();
-        let Some(exact) = LinearInPi::of(&angle.expr, &self.robot.constants) else {
+        let Some(exact) = LinearInPi::of(&angle.expr, &self.robot.description.constants) else {
             return (zero, Some(Rest::Other(angle.value)));
         };
         let (radians, half_turns) = (exact.rational, exact.half_turns);
