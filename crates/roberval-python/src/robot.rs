@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use roberval_base::{base_parameters, base_parameters_at, compare};
 use roberval_formats::{
-    FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml, to_urdf,
+    self as formats, FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml, to_urdf,
 };
 use roberval_mechanism::{Mechanism, RobotDescription, SourceFormat};
 use roberval_regressor::Regressor;
@@ -339,6 +339,24 @@ impl Robot {
             None => &self.mechanism.description,
         }
     }
+}
+
+/// The text of a robot file with its rounded numbers set right; what was changed, and what
+/// was left alone, in sentences.
+#[pyfunction]
+pub fn clean_file(
+    py: Python<'_>,
+    path_or_name: &str,
+    snap: &str,
+) -> PyResult<(String, Vec<String>, Vec<String>)> {
+    let policy = options::policy(py, snap)?;
+    let (text, changes, near) = detached(py, || formats::clean_file(path_or_name, &policy))?;
+    let changed = changes.iter().filter(|change| !change.is_last_digit());
+    Ok((
+        text,
+        changed.map(ToString::to_string).collect(),
+        near.iter().map(ToString::to_string).collect(),
+    ))
 }
 
 /// Name, title and source of each built-in robot.
