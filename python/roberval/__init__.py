@@ -27,7 +27,7 @@ from .errors import (
 )
 from .exact import Exact, Surd
 from .linting import Finding, lint
-from .loading import CatalogueEntry, catalogue, load
+from .loading import CatalogueEntry, Cleaned, catalogue, clean_file, load
 from .options import Choice, Engine, Model, Number, Snap
 from .robot import Link, Robot
 from .scaling import Grade, Scaling
@@ -39,6 +39,7 @@ __all__ = [
     "Blame",
     "CatalogueEntry",
     "Choice",
+    "Cleaned",
     "Code",
     "Comparison",
     "Compiled",
@@ -75,6 +76,7 @@ __all__ = [
     "Witness",
     "__version__",
     "catalogue",
+    "clean_file",
     "convention",
     "lint",
     "load",

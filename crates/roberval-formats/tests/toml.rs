@@ -263,6 +263,7 @@ fn link(number: usize) -> impl Strategy<Value = LinkDescription> {
                 geometry: Geometry::Mdh(Box::new(geometry)),
                 inertia,
                 limits: None,
+                massless: false,
             }
         },
     )

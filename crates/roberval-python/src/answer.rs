@@ -172,6 +172,11 @@ impl Answer {
         Ok(tables::base(&self.answer, format))
     }
 
+    /// The text of a certificate.
+    fn certificate(&self, py: Python<'_>) -> PyResult<String> {
+        detached(py, || self.answer.certificate())
+    }
+
     /// The report: one HTML page.
     fn report(&self, py: Python<'_>) -> String {
         py.detach(|| tables::report(&self.answer))

@@ -16,14 +16,13 @@ pub(crate) fn lines(mechanism: &Mechanism) -> Vec<String> {
     if mechanism.closure.is_none() {
         return Vec::new();
     }
-    let independent = mechanism.independent_joints();
-    let names: Vec<String> = independent.iter().map(|link| label(link)).collect();
+    let names: Vec<String> = independent(mechanism).map(label).collect();
     let couples = &mechanism.description.couples;
     let couples: Vec<String> = couples.iter().map(|c| equation(mechanism, c)).collect();
     let mut lines = vec![format!(
         "{} of {} joints are independent: {}",
         names.len(),
-        mechanism.dof(),
+        mechanism.moving().filter(|l| l.joint.has_axis()).count(),
         shortened(&names)
     )];
     if !couples.is_empty() {
@@ -55,14 +54,19 @@ pub(crate) fn json(mechanism: &Mechanism) -> Value {
     if mechanism.closure.is_none() {
         return Value::Null;
     }
-    let independent = mechanism.independent_joints();
     let couples = mechanism.description.couples.iter();
     let couples = couples.map(|c| json!({"joint": c.joint, "equation": equation(mechanism, c)}));
     json!({
-        "independent": independent.iter().map(|link| &link.name).collect::<Vec<_>>(),
+        "independent": independent(mechanism).map(|link| &link.name).collect::<Vec<_>>(),
         "couples": couples.collect::<Vec<_>>(),
         "loops": loops::json(mechanism),
     })
+}
+
+/// The links on independent joints, without a base that floats.
+fn independent(mechanism: &Mechanism) -> impl Iterator<Item = &Link> {
+    let joints = mechanism.independent_joints().into_iter();
+    joints.filter(|link| link.joint.has_axis())
 }
 
 fn label(link: &Link) -> String {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use roberval_scalar::Quantity;
 
-use crate::{Geometry, JointKind, Origin, RobotDescription};
+use crate::{Geometry, Origin, RobotDescription};
 
 /// Which number of a link (or of the robot, for gravity) it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -94,7 +94,7 @@ pub(super) struct Literal<'d> {
 }
 
 /// The angles, lengths and directions of a description: everything that decides its
-/// structure. The axis of a fixed joint has no meaning and is left out.
+/// structure. The axis of a joint that needs none has no meaning and is left out.
 pub(super) fn literals(description: &RobotDescription) -> Vec<Literal<'_>> {
     let mut all = Vec::new();
     vector(&mut all, &description.gravity, 0, Field::Gravity);
@@ -131,7 +131,7 @@ pub(super) fn literals(description: &RobotDescription) -> Vec<Literal<'_>> {
                     };
                     placement(&mut all, place, origin);
                 }
-                if written.joint != JointKind::Fixed {
+                if written.joint.has_axis() {
                     vector(&mut all, axis, link, Field::Axis);
                 }
             }

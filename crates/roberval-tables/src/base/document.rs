@@ -211,10 +211,10 @@ fn classification(answer: &BaseParameters) -> Document {
     columns.extend(ParameterKind::ALL.map(|kind| Column::right(kind.name())));
     columns.push(Column::right("kept"));
     let kept = |class: &Class| matches!(class, Class::Unchanged | Class::RegroupedInto);
-    let rows = answer.mechanism.links.iter().enumerate().map(|(j, link)| {
+    let links = answer.mechanism.links.iter().enumerate();
+    let rows = links.filter(|(_, l)| !l.massless).map(|(j, link)| {
         let first = answer.parameters.first_column(j);
-        let count = if link.rotor { 11 } else { 10 };
-        let classes = &classes[first..first + count];
+        let classes = &classes[first..first + link.columns()];
         let mut row = vec![Item::text(&link.name)];
         row.extend((0..11).map(|k| {
             classes
