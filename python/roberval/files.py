@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from pathlib import Path
 
 
 def write(path: str | os.PathLike[str], content: str | bytes) -> Path:
     """Write a file by way of a draft beside it; return its absolute path."""
+    import tempfile  # not before it is needed: it brings much with it
+
     target = Path(path).absolute()
     data = content.encode() if isinstance(content, str) else content
     # A link stays a link.

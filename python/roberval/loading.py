@@ -34,6 +34,7 @@ def load(
     path_or_name: str | os.PathLike[str],
     *,
     keep_fixed: bool = False,
+    floating: bool = False,
     rotors: bool = True,
     snap: Snap = "default",
     gravity: Sequence[Number] | None = None,
@@ -50,6 +51,10 @@ def load(
     keep_fixed : bool
         For URDF: keep links on fixed joints as links of their own. By default they are
         lumped into their parents.
+    floating : bool
+        Let the base move freely: the root link of a URDF, with the inertia it has there; for
+        other robots a link ``"0"`` of unknown inertia. A robot that floats already stays as
+        it is.
     rotors : bool
         Whether driven joints have a rotor inertia Ia of their own. Without, a link has the
         ten parameters of its rigid body.
@@ -75,7 +80,9 @@ def load(
     >>> rv.load("puma560")
     Robot('PUMA 560', 6 revolute joints, 66 parameters)
     """
-    asked = reading(keep_fixed=keep_fixed, rotors=rotors, snap=snap, gravity=gravity)
+    asked = reading(
+        keep_fixed=keep_fixed, floating=floating, rotors=rotors, snap=snap, gravity=gravity
+    )
     path = Path(path_or_name)
     if not path.exists():
         path = importers.described(os.fspath(path_or_name)) or path

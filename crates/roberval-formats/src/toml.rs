@@ -216,13 +216,13 @@ fn link(
         return Err(section.fault(Code::BadName, "name", what));
     }
     let joint = joint_kind(section)?;
-    let moving = joint != JointKind::Fixed;
-    let driven = moving && !dependent.contains(&name);
+    let has_axis = joint.has_axis();
+    let driven = has_axis && !dependent.contains(&name);
     let active = section.boolean("active")?.unwrap_or(driven);
-    let rotor = section.boolean("rotor")?.unwrap_or(active && moving);
+    let rotor = section.boolean("rotor")?.unwrap_or(active && has_axis);
     for (key, value) in [("active", active), ("rotor", rotor)] {
-        if value && !moving {
-            let what = format!("a fixed joint cannot have {key} = true");
+        if value && !has_axis {
+            let what = format!("a {} joint cannot have {key} = true", joint.name());
             return Err(section.fault(Code::Contradiction, key, what).hint(format!(
                 "leave {key} out, or make the joint revolute or prismatic"
             )));
@@ -239,6 +239,7 @@ fn link(
         joint,
         active,
         rotor,
+        massless: false,
         limits: None,
     })
 }
@@ -247,17 +248,13 @@ fn joint_kind(section: &Section) -> Result<JointKind, FormatError> {
     let Some(kind) = section.string("joint")? else {
         return Ok(JointKind::Revolute);
     };
-    match kind {
-        "revolute" => Ok(JointKind::Revolute),
-        "prismatic" => Ok(JointKind::Prismatic),
-        "fixed" => Ok(JointKind::Fixed),
-        other => {
-            let what = format!("unknown joint type {}", quoted(other));
-            Err(section
-                .fault(Code::JointType, "joint", what)
-                .hint("write \"revolute\", \"prismatic\" or \"fixed\""))
-        }
-    }
+    let known = JointKind::ALL.into_iter().find(|k| k.name() == kind);
+    known.ok_or_else(|| {
+        let what = format!("unknown joint type {}", quoted(kind));
+        section
+            .fault(Code::JointType, "joint", what)
+            .hint("write \"revolute\", \"prismatic\", \"fixed\" or, for a base, \"floating\"")
+    })
 }
 
 fn antecedent(section: &Section, previous: Option<&str>) -> Result<Option<String>, FormatError> {
@@ -317,7 +314,7 @@ fn one() -> Quantity {
 }
 
 /// gamma and b default to 0 (a chain has neither), and so does the constant to which the
-/// joint variable is added; the others must be written.
+/// joint variable is added; the others must be written. A floating base needs none.
 fn geometry(
     section: &Section,
     joint: JointKind,
@@ -329,7 +326,7 @@ fn geometry(
     };
     let required = |key: &str, read, default: bool| match section.quantity(key, read, constants)? {
         Some(value) => Ok(value),
-        None if default => Ok(Quantity::zero()),
+        None if default || joint == JointKind::Floating => Ok(Quantity::zero()),
         None => {
             let what = format!("{key} is missing");
             let hint = format!("write {key} = 0 if it is zero");

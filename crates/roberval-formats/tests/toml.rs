@@ -261,6 +261,7 @@ fn link(number: usize) -> impl Strategy<Value = LinkDescription> {
                 geometry: Geometry::Mdh(Box::new(geometry)),
                 inertia,
                 limits: None,
+                massless: false,
             }
         },
     )

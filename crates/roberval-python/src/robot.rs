@@ -8,7 +8,7 @@ use roberval_base::{base_parameters, base_parameters_at, compare};
 use roberval_formats::{
     FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml, to_urdf,
 };
-use roberval_mechanism::{JointKind, Mechanism, RobotDescription, SourceFormat};
+use roberval_mechanism::{Mechanism, RobotDescription, SourceFormat};
 use roberval_regressor::Regressor;
 use roberval_tables as tables;
 
@@ -39,6 +39,9 @@ type LinkRow = (
     bool,
 );
 
+/// Rotation (rows) and origin on the antecedent, and the joint's axis.
+type Placement = ([[f64; 3]; 3], [f64; 3], [f64; 3]);
+
 #[pymethods]
 impl Robot {
     /// A built-in robot by name, or a robot file.
@@ -46,6 +49,7 @@ impl Robot {
     fn load(py: Python<'_>, path_or_name: &str, reading: Reading) -> PyResult<Self> {
         let options = UrdfOptions {
             keep_fixed: reading.keep_fixed,
+            floating: reading.floating,
         };
         let description = detached(py, || load_with(path_or_name, options))?;
         let urdf = match description.format {
@@ -79,6 +83,7 @@ impl Robot {
     fn from_urdf(py: Python<'_>, text: &str, source: &str, reading: Reading) -> PyResult<Self> {
         let options = UrdfOptions {
             keep_fixed: reading.keep_fixed,
+            floating: reading.floating,
         };
         let description = detached(py, || parse_urdf(text, source, options))?;
         Self::of(py, description, Some(text.to_owned()), &reading)
@@ -163,21 +168,31 @@ impl Robot {
     }
 
     #[getter]
+    fn positions(&self) -> usize {
+        self.regressor.positions()
+    }
+
+    /// The coordinates of q, of qd and the rows of d.
+    #[getter]
+    fn coordinates(&self) -> [Vec<String>; 3] {
+        [
+            self.mechanism.position_names(),
+            self.mechanism.velocity_names(),
+            self.mechanism.row_names(),
+        ]
+    }
+
+    #[getter]
     fn links(&self) -> Vec<LinkRow> {
         let links = &self.mechanism.links;
         links
             .iter()
             .map(|link| {
-                let joint = match link.joint {
-                    JointKind::Revolute => "revolute",
-                    JointKind::Prismatic => "prismatic",
-                    JointKind::Fixed => "fixed",
-                };
                 (
                     link.name.clone(),
                     link.joint_name.clone(),
                     link.antecedent.map(|a| links[a].name.clone()),
-                    joint,
+                    link.joint.name(),
                     link.active,
                     link.rotor,
                 )
@@ -188,7 +203,7 @@ impl Robot {
     /// Of each link: rotation (rows) and origin on its antecedent at joint variable 0, and
     /// the joint's axis in the link's frame.
     #[getter]
-    fn placements(&self) -> Vec<([[f64; 3]; 3], [f64; 3], [f64; 3])> {
+    fn placements(&self) -> Vec<Placement> {
         let links = self.mechanism.links.iter();
         links
             .map(|l| {
