@@ -38,6 +38,7 @@ const LINK_KEYS: &[&str] = &[
     "joint",
     "active",
     "rotor",
+    "massless",
     "gamma",
     "b",
     "alpha",
@@ -237,13 +238,22 @@ fn link(
     let has_axis = joint.has_axis();
     let driven = has_axis && !dependent.contains(&name);
     let active = section.boolean("active")?.unwrap_or(driven);
-    let rotor = section.boolean("rotor")?.unwrap_or(active && has_axis);
-    for (key, value) in [("active", active), ("rotor", rotor)] {
+    let massless = section.boolean("massless")?.unwrap_or(false);
+    let rotor = section
+        .boolean("rotor")?
+        .unwrap_or(active && has_axis && !massless);
+    for (key, value) in [("active", active), ("rotor", rotor), ("massless", massless)] {
         if value && !has_axis {
             let what = format!("a {} joint cannot have {key} = true", joint.name());
             return Err(section.fault(Code::Contradiction, key, what).hint(format!(
                 "leave {key} out, or make the joint revolute or prismatic"
             )));
+        }
+    }
+    for key in ["inertia", "rotor"] {
+        if massless && (key == "inertia" || rotor) && section.table.contains_key(key) {
+            let what = format!("a massless link has no {key}: it only stands between two motions");
+            return Err(section.fault(Code::Contradiction, key, what));
         }
     }
     let joint_name = section.name("joint_name")?;
@@ -257,7 +267,7 @@ fn link(
         joint,
         active,
         rotor,
-        massless: false,
+        massless,
         limits: None,
     })
 }
@@ -312,7 +322,7 @@ fn placement(
         rpy: vector("rpy", Quantity::parse_angle)?,
     };
     let axis = match section.vector("axis", Quantity::parse_number, constants)? {
-        Some(axis) if joint != JointKind::Fixed && axis.iter().all(|x| x.value == 0.0) => {
+        Some(axis) if joint.has_axis() && axis.iter().all(|x| x.value == 0.0) => {
             let what = "the joint axis is zero";
             return Err(section
                 .fault(Code::ZeroAxis, "axis", what)
