@@ -14,18 +14,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, arrays, files, rendering
+from . import _core, arrays, excel, files, rendering
 from .arrays import Array
 from .code import Code, Compiled
 from .diagnosis import Diagnosis
 from .errors import DoubtfulRankWarning, MissingPackageError, OptionError, RobotWarning
 from .exact import Exact, coefficient
 from .options import Options
+from .plots import BasePlots
 from .rendering import Rendered
 from .symbolic import SymbolicRelations
 
 if TYPE_CHECKING:
     import pandas
+    import polars
 
     from .robot import Robot
 
@@ -418,6 +420,22 @@ class BaseParameters(Rendered):
         """
         return files.write(path, self._inner.report())
 
+    def _columns(self) -> dict[str, list[Any]]:
+        """Return the parameters as columns; None where there is no value."""
+        known = self._robot.inertial_values
+        values = dict(zip(self.base, self.values(), strict=True)) if known else {}
+        relation = dict(zip(self.regrouped_into, self.relations.text, strict=True))
+        labels = list(self.parameters)
+        return {
+            "parameter": labels,
+            "kind": [label.split("_", 1)[0] for label in labels],
+            "link": [label.split("_", 1)[1] for label in labels],
+            "class": list(self.classes.values()),
+            "X": [known.get(label) for label in labels],
+            "XB": [float(values[label]) if label in values else None for label in labels],
+            "relation": [relation.get(label, "") for label in labels],
+        }
+
     def to_frame(self) -> pandas.DataFrame:
         """Return a pandas DataFrame with one row for each standard parameter.
 
@@ -433,19 +451,56 @@ class BaseParameters(Rendered):
             import pandas
         except ImportError:
             raise MissingPackageError("to_frame needs pandas: pip install pandas") from None
-        known = self._robot.inertial_values
-        values = dict(zip(self.base, self.values(), strict=True)) if known else {}
-        relation = dict(zip(self.regrouped_into, self.relations.text, strict=True))
-        labels = list(self.parameters)
-        columns = {
-            "kind": [label.split("_", 1)[0] for label in labels],
-            "link": [label.split("_", 1)[1] for label in labels],
-            "class": list(self.classes.values()),
-            "X": [known.get(label, np.nan) for label in labels],
-            "XB": [values.get(label, np.nan) for label in labels],
-            "relation": [relation.get(label, "") for label in labels],
-        }
-        return pandas.DataFrame(columns, index=pandas.Index(labels, name="parameter"))
+        columns = self._columns()
+        index = pandas.Index(columns.pop("parameter"), name="parameter")
+        for name in ("X", "XB"):
+            columns[name] = [np.nan if x is None else x for x in columns[name]]
+        return pandas.DataFrame(columns, index=index)
+
+    def to_polars(self) -> polars.DataFrame:
+        """Return a polars DataFrame: the columns of `to_frame`, ``parameter`` first.
+
+        Raises
+        ------
+        MissingPackageError
+            polars is not installed.
+        """
+        try:
+            import polars
+        except ImportError:
+            raise MissingPackageError("to_polars needs polars: pip install polars") from None
+        return polars.DataFrame(
+            self._columns(), schema_overrides={"X": polars.Float64, "XB": polars.Float64}
+        )
+
+    def to_excel(self, path: str | os.PathLike[str]) -> Path:
+        """Write an Excel workbook: the parameters, and beta. No text becomes a formula.
+
+        Parameters
+        ----------
+        path : str or path
+            The file to write; one that exists is replaced.
+
+        Returns
+        -------
+        Path
+            The file, absolute.
+
+        Raises
+        ------
+        MissingPackageError
+            Neither xlsxwriter nor openpyxl is installed.
+        """
+        columns = self._columns()
+        parameters = [list(columns), *map(list, zip(*columns.values(), strict=True))]
+        beta = [["", *self.regrouped]]
+        beta += [[label, *row] for label, row in zip(self.base, self._beta.tolist(), strict=True)]
+        return files.write(path, excel.workbook({"parameters": parameters, "beta": beta}))
+
+    @property
+    def plot(self) -> BasePlots:
+        """Plots with matplotlib: ``spectrum``, ``classification``, ``beta`` and ``tree``."""
+        return BasePlots(self)
 
     def _repr_html_(self) -> str:
         classes = self.classes

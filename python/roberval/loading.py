@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
-from . import _core, files
+from . import _core, files, importers
 from .options import Number, Snap, reading
 from .robot import Robot
 
@@ -33,11 +34,15 @@ def load(
     path_or_name: str | os.PathLike[str],
     *,
     keep_fixed: bool = False,
+    floating: bool = False,
     rotors: bool = True,
     snap: Snap = "default",
     gravity: Sequence[Number] | None = None,
 ) -> Robot:
-    """Load a robot: a built-in one by its name, or a robot TOML or URDF file.
+    """Load a robot: a built-in one by its name, or a robot file.
+
+    Robot TOML and URDF are read by roberval itself; MJCF needs the package mujoco, xacro the
+    package xacrodoc, and names such as ``panda_description`` the package robot_descriptions.
 
     Parameters
     ----------
@@ -46,6 +51,10 @@ def load(
     keep_fixed : bool
         For URDF: keep links on fixed joints as links of their own. By default they are
         lumped into their parents.
+    floating : bool
+        Let the base move freely: the root link of a URDF, with the inertia it has there; for
+        other robots a link ``"0"`` of unknown inertia. A robot that floats already stays as
+        it is.
     rotors : bool
         Whether driven joints have a rotor inertia Ia of their own. Without, a link has the
         ten parameters of its rigid body.
@@ -71,8 +80,16 @@ def load(
     >>> rv.load("puma560")
     Robot('PUMA 560', 6 revolute joints, 66 parameters)
     """
-    asked = reading(keep_fixed=keep_fixed, rotors=rotors, snap=snap, gravity=gravity)
-    return Robot._of(_core.Robot.load(_path("load", path_or_name), asked), asked)
+    asked = reading(
+        keep_fixed=keep_fixed, floating=floating, rotors=rotors, snap=snap, gravity=gravity
+    )
+    path = Path(_path("load", path_or_name))
+    if not path.exists():
+        path = importers.described(os.fspath(path_or_name)) or path
+        path_or_name = path
+    if kind := importers.kind_of(path):
+        return Robot._imported(importers.read(path, kind), asked)
+    return Robot._of(_core.Robot.load(os.fspath(path_or_name), asked), asked)
 
 
 class Cleaned(NamedTuple):

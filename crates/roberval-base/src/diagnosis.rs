@@ -109,6 +109,14 @@ pub struct Witness {
 }
 
 impl Diagnosis {
+    /// The tree without constraints, of a mechanism that has some.
+    #[must_use]
+    pub fn opened(&self) -> Option<&Opened> {
+        let exact = self.structure.as_ref().and_then(|s| s.opened.as_ref());
+        let precise = self.precision.as_ref().and_then(|p| p.opened.as_ref());
+        exact.or(precise)
+    }
+
     /// The diagnosis of a float decision; `columns` are the robot's columns that the
     /// spectrum's entries belong to, or mostly do if they are `shared`; `effects` are those of
     /// [`crate::Observation`], one for each of the robot's columns.

@@ -48,10 +48,17 @@ pub(crate) fn literal(
         blame: Vec::new(),
         near_misses: Vec::new(),
     };
-    if !cleaned.changes.is_empty() {
+    // A decimal that is the nearest double of pi/2 says pi/2 as well as a URDF can.
+    let (exact, changes): (Vec<Change>, Vec<Change>) = cleaned
+        .changes
+        .iter()
+        .cloned()
+        .partition(Change::is_last_digit);
+    if !changes.is_empty() {
+        let written = &apply(written, &exact);
         found.rank = rank_of(written)?;
         if found.rank != rank {
-            found.blame = blame(written, &cleaned.changes, rank, found.rank, rank_of)?;
+            found.blame = blame(written, &changes, rank, found.rank, rank_of)?;
         }
     }
     let near: Vec<Change> = cleaned

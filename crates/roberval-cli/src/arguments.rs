@@ -76,7 +76,9 @@ Examples:
 const STATES: &str = "\
 States are a CSV file with the columns q_1.., qd_1.. and qdd_1.. (or q_NAME with the name of
 the joint or of its link) in any order, or an NPZ file with the arrays q, qd and qdd of shape
-(N, n). Model d0 needs no qd, model h no qdd.
+(N, n). Model d0 needs no qd, model h no qdd. For a floating link L, q begins with q_L.x, q_L.y,
+q_L.z and the quaternion q_L.qx, q_L.qy, q_L.qz, q_L.qw, and qd with qd_L.vx .. qd_L.wz, the
+velocity in L's frame (so qdd, its rates): n is 6 more than the joints, and q has n + 1 columns.
 
 The array has the shape (N, n, C) for d and d0 and (N, C) for h, in C order, C being the
 standard parameters in the order of `roberval show`, or the base parameters with --base.
@@ -306,6 +308,9 @@ pub(crate) struct ReadingArgs {
     /// Keep links on fixed joints of a URDF as links of their own
     #[arg(long)]
     pub keep_fixed: bool,
+    /// Let the base move freely: the root link of a URDF, a link "0" for others
+    #[arg(long)]
+    pub floating: bool,
     /// Leave rotor inertias Ia out: ten parameters a link, the rigid bodies' own
     #[arg(long)]
     pub no_rotors: bool,

@@ -25,6 +25,9 @@ pub enum CodeError {
     /// Friction was asked of something else than tau.
     #[error("friction is a part of tau only, not of {}", .0.name())]
     Friction(What),
+    /// The base floats.
+    #[error("code is written for a base that stands still, not for one that floats")]
+    Floating,
     /// The robot's passive joints are found by iteration.
     #[error(
         "code is written for chains, trees and couples, not for loops given by cut joints: give the passive joints as couples"
@@ -60,6 +63,9 @@ impl Code {
         let what = request.what;
         if request.friction && what != What::Tau {
             return Err(CodeError::Friction(what));
+        }
+        if mechanism.is_floating() {
+            return Err(CodeError::Floating);
         }
         if mechanism.assembly.is_some() {
             return Err(CodeError::Loops);

@@ -2,7 +2,7 @@
 
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
-use roberval_base::{self as base, BaseParameters, Blame, ExactNumber};
+use roberval_base::{self as base, BaseParameters, Blame, ExactNumber, Witness};
 
 use roberval_tables as tables;
 
@@ -96,13 +96,23 @@ impl Answer {
         Some((s.rank, s.primes, s.seeds, s.failure_probability, s.generic))
     }
 
-    /// Engine, rank, gap and gap at the structural rank of each float engine.
+    /// Engine, rank, gap, gap at the structural rank, spectrum and tolerance of each float
+    /// engine.
     #[getter]
-    fn witnesses(&self) -> Vec<(&'static str, usize, Option<f64>, Option<f64>)> {
-        let witnesses = self.answer.diagnosis.witnesses.iter();
-        witnesses
-            .map(|w| (w.engine.name(), w.rank, w.gap, w.gap_at_structural))
-            .collect()
+    fn witnesses(&self) -> Vec<WitnessRow> {
+        let row = |w: &Witness| {
+            let spectrum = w.spectrum.clone();
+            let gaps = (w.gap, w.gap_at_structural);
+            (
+                w.engine.name(),
+                w.rank,
+                gaps.0,
+                gaps.1,
+                spectrum,
+                w.tolerance,
+            )
+        };
+        self.answer.diagnosis.witnesses.iter().map(row).collect()
     }
 
     /// What the file as written gives: rank, numbers to blame, near misses.
@@ -213,6 +223,7 @@ impl Answer {
     }
 }
 
+type WitnessRow = (&'static str, usize, Option<f64>, Option<f64>, Vec<f64>, f64);
 type StructureRow = (usize, Vec<u64>, Vec<u64>, f64, Vec<String>);
 type LiteralRow = (usize, Vec<(String, usize)>, Vec<(String, usize)>);
 

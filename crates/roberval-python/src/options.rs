@@ -81,6 +81,7 @@ fn tolerance(py: Python<'_>, argument: Option<ToleranceArgument>) -> PyResult<To
 #[pyo3(from_item_all)]
 pub struct Reading {
     pub keep_fixed: bool,
+    pub floating: bool,
     rotors: bool,
     snap: String,
     gravity: Option<[String; 3]>,
@@ -93,6 +94,9 @@ impl Reading {
         py: Python<'_>,
         mut description: RobotDescription,
     ) -> PyResult<Mechanism> {
+        if self.floating {
+            description = description.with_floating_base();
+        }
         if !self.rotors {
             description = description.without_rotors();
         }

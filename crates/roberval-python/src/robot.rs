@@ -6,9 +6,9 @@ use numpy::{PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use roberval_base::{base_parameters, base_parameters_at, compare};
 use roberval_formats::{
-    self as formats, FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml,
+    self as formats, FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml, to_urdf,
 };
-use roberval_mechanism::{JointKind, Mechanism, RobotDescription, SourceFormat};
+use roberval_mechanism::{Mechanism, RobotDescription, SourceFormat};
 use roberval_regressor::Regressor;
 use roberval_tables as tables;
 
@@ -39,6 +39,9 @@ type LinkRow = (
     bool,
 );
 
+/// Rotation (rows) and origin on the antecedent, and the joint's axis.
+type Placement = ([[f64; 3]; 3], [f64; 3], [f64; 3]);
+
 #[pymethods]
 impl Robot {
     /// A built-in robot by name, or a robot file.
@@ -46,10 +49,11 @@ impl Robot {
     fn load(py: Python<'_>, path_or_name: &str, reading: Reading) -> PyResult<Self> {
         let options = UrdfOptions {
             keep_fixed: reading.keep_fixed,
+            floating: reading.floating,
         };
         let description = detached(py, || load_with(path_or_name, options))?;
         let urdf = match description.format {
-            SourceFormat::Mdh => None,
+            SourceFormat::Mdh | SourceFormat::Placed => None,
             SourceFormat::Urdf => Some(std::fs::read_to_string(path_or_name)?),
         };
         Self::of(py, description, urdf, &reading)
@@ -79,6 +83,7 @@ impl Robot {
     fn from_urdf(py: Python<'_>, text: &str, source: &str, reading: Reading) -> PyResult<Self> {
         let options = UrdfOptions {
             keep_fixed: reading.keep_fixed,
+            floating: reading.floating,
         };
         let description = detached(py, || parse_urdf(text, source, options))?;
         Self::of(py, description, Some(text.to_owned()), &reading)
@@ -92,6 +97,11 @@ impl Robot {
             self.written()
         };
         to_toml(description).map_err(|error| error.into_python(py))
+    }
+
+    /// The robot as a URDF.
+    fn to_urdf(&self, py: Python<'_>) -> PyResult<String> {
+        to_urdf(&self.mechanism).map_err(|error| error.into_python(py))
     }
 
     /// Format, text and name, from which the robot can be read again.
@@ -158,24 +168,47 @@ impl Robot {
     }
 
     #[getter]
+    fn positions(&self) -> usize {
+        self.regressor.positions()
+    }
+
+    /// The coordinates of q, of qd and the rows of d.
+    #[getter]
+    fn coordinates(&self) -> [Vec<String>; 3] {
+        [
+            self.mechanism.position_names(),
+            self.mechanism.velocity_names(),
+            self.mechanism.row_names(),
+        ]
+    }
+
+    #[getter]
     fn links(&self) -> Vec<LinkRow> {
         let links = &self.mechanism.links;
         links
             .iter()
             .map(|link| {
-                let joint = match link.joint {
-                    JointKind::Revolute => "revolute",
-                    JointKind::Prismatic => "prismatic",
-                    JointKind::Fixed => "fixed",
-                };
                 (
                     link.name.clone(),
                     link.joint_name.clone(),
                     link.antecedent.map(|a| links[a].name.clone()),
-                    joint,
+                    link.joint.name(),
                     link.active,
                     link.rotor,
                 )
+            })
+            .collect()
+    }
+
+    /// Of each link: rotation (rows) and origin on its antecedent at joint variable 0, and
+    /// the joint's axis in the link's frame.
+    #[getter]
+    fn placements(&self) -> Vec<Placement> {
+        let links = self.mechanism.links.iter();
+        links
+            .map(|l| {
+                let rows = l.rotation.transpose().into();
+                (rows, l.origin.into(), l.axis.into())
             })
             .collect()
     }

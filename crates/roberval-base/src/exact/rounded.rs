@@ -96,8 +96,10 @@ pub(crate) fn columns_of_w(
     let mut columns = vec![Vec::with_capacity(count * per_sample); c];
     for k in 0..count {
         cancellation_point();
-        let state = [&samples.q, &samples.qd, &samples.qdd].map(|x| &x[k * n..(k + 1) * n]);
-        precise.fill(model, state, &mut work, &mut sample)?;
+        let [qd, qdd] = [&samples.qd, &samples.qdd].map(|x| &x[k * n..(k + 1) * n]);
+        let positions = mechanism.positions();
+        let q = &samples.q[k * positions..(k + 1) * positions];
+        precise.fill(model, [q, qd, qdd], &mut work, &mut sample)?;
         if model == Model::H && reference.is_none() {
             reference = Some(sample.clone());
             continue;

@@ -48,12 +48,6 @@ pub const FILES: &[Row] = &[
         &["\"joint\"", "known keys"],
     ),
     (
-        "loop of a later version",
-        "[[loop]]\ncut = \"revolute\"\n",
-        "E130",
-        &["r.toml:1:", "\"loop\""],
-    ),
-    (
         "name is a number",
         "name = 560\n",
         "E131",
