@@ -26,7 +26,7 @@ from .errors import (
 from .exact import Exact, Surd
 from .loading import CatalogueEntry, catalogue, load
 from .options import Choice, Engine, Model, Number, Snap
-from .robot import Link, Robot
+from .robot import Couple, Link, Robot
 from .scaling import Grade, Scaling
 
 __all__ = [
@@ -36,6 +36,7 @@ __all__ = [
     "CatalogueEntry",
     "Choice",
     "Comparison",
+    "Couple",
     "Diagnosis",
     "DoubtfulRankWarning",
     "Engine",

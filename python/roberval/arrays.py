@@ -33,7 +33,7 @@ def numbers(name: str, value: npt.ArrayLike) -> Array:
 
 
 class States(NamedTuple):
-    """Joint states, each (N, n), and what stands before n in the caller's shape."""
+    """Joint states, each (N, m), and what stands before m in the caller's shape."""
 
     q: Array
     qd: Array
@@ -41,14 +41,14 @@ class States(NamedTuple):
     lead: tuple[int, ...]
 
 
-def states(q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike, n: int) -> States:
-    """Return q, qd and qdd, all of one shape, (n,) or (N, n)."""
+def states(q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike, m: int) -> States:
+    """Return q, qd and qdd, all of one shape, (m,) or (N, m)."""
     arrays = [numbers("q", q), numbers("qd", qd), numbers("qdd", qdd)]
     for name, array in zip(("q", "qd", "qdd"), arrays, strict=True):
-        if array.ndim not in (1, 2) or array.shape[-1] != n:
+        if array.ndim not in (1, 2) or array.shape[-1] != m:
             raise ShapeError(
-                f"{name} has shape {array.shape}, expected ({n},) for one state "
-                f"or (N, {n}) for N states: the robot has {n} moving joints"
+                f"{name} has shape {array.shape}, expected ({m},) for one state "
+                f"or (N, {m}) for N states: the robot has {m} independent joints"
             )
         if array.shape != arrays[0].shape:
             raise ShapeError(

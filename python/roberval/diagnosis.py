@@ -23,6 +23,10 @@ class Structure:
         An upper bound of the probability that the rank is too low. It is never too high.
     generic : tuple of str
         Angles with too many digits for a common unit, taken as unrelated; as written.
+    tree_rank : int or None
+        The rank of the tree without couples, of a robot that has some.
+    removed : tuple of str
+        The base parameters of that tree that the couples remove.
     """
 
     rank: int
@@ -30,6 +34,8 @@ class Structure:
     seeds: tuple[int, ...]
     failure_probability: float
     generic: tuple[str, ...]
+    tree_rank: int | None = None
+    removed: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -130,17 +136,26 @@ class Diagnosis:
             gap=core.gap,
             residual=core.residual,
             messages=tuple(core.messages),
-            structure=_structure(core),
+            structure=_structure(core, labels),
             witnesses=tuple(Witness(*witness) for witness in core.witnesses),
             literal=_literal(core),
         )
 
 
-def _structure(core: _core.Answer) -> Structure | None:
+def _structure(core: _core.Answer, labels: tuple[str, ...]) -> Structure | None:
     if core.structure is None:
         return None
     rank, primes, seeds, probability, generic = core.structure
-    return Structure(rank, tuple(primes), tuple(seeds), probability, tuple(generic))
+    tree, removed = core.opened or (None, [])
+    return Structure(
+        rank,
+        tuple(primes),
+        tuple(seeds),
+        probability,
+        tuple(generic),
+        tree,
+        tuple(labels[column] for column in removed),
+    )
 
 
 def _literal(core: _core.Answer) -> Literal | None:

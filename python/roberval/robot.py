@@ -46,6 +46,24 @@ class Link(NamedTuple):
     rotor: bool
 
 
+class Couple(NamedTuple):
+    """A joint that follows from others: q(joint) = sum of multiplier * q + offset.
+
+    Attributes
+    ----------
+    joint : str
+        The joint that follows.
+    equals : dict of str to str
+        The joints it follows, with their multipliers as written.
+    offset : str
+        Its position where those stand at 0, as written.
+    """
+
+    joint: str
+    equals: dict[str, str]
+    offset: str
+
+
 class Robot(Rendered):
     """A robot: a chain or tree of links and joints. Immutable.
 
@@ -227,7 +245,7 @@ class Robot(Rendered):
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """Names of the n moving joints in the order of q; of their links where they have none."""
+        """Names of the n moving joints, in link order; of their links where they have none."""
         moving = (link for link in self._links if link.joint != "fixed")
         return tuple(link.joint_name or link.name for link in moving)
 
@@ -235,6 +253,22 @@ class Robot(Rendered):
     def n(self) -> int:
         """Number of moving joints."""
         return self._inner.dof
+
+    @property
+    def m(self) -> int:
+        """Number of independent joints: n without couples."""
+        return self._inner.independent
+
+    @property
+    def independent(self) -> tuple[str, ...]:
+        """Names of the m joints that move by themselves, in the order of q, qd, qdd and tau."""
+        return tuple(self._inner.independent_joints)
+
+    @property
+    def couples(self) -> tuple[Couple, ...]:
+        """The joints that follow from others (couples of a robot TOML, mimic of a URDF)."""
+        rows = self._inner.couples
+        return tuple(Couple(joint, dict(terms), offset) for joint, terms, offset in rows)
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -291,8 +325,9 @@ class Robot(Rendered):
 
         Parameters
         ----------
-        q : array_like, shape (n,) or (N, n)
-            Joint positions, rad or m, in the order of `joints`.
+        q : array_like, shape (m,) or (N, m)
+            Positions of the independent joints, rad or m, in the order of `independent`:
+            all n joints, unless couples make some follow from others.
         qd, qdd : array_like, shape of `q`
             Velocities (per s) and accelerations (per s^2). Model h needs no `qdd`, model d0
             no `qd`.
@@ -304,7 +339,7 @@ class Robot(Rendered):
 
         Returns
         -------
-        ndarray, shape (N, n, C)
+        ndarray, shape (N, m, C)
             For h (N, C); for one state without the N. ``W.reshape(-1, C)`` is the
             observation matrix.
 
@@ -338,7 +373,7 @@ class Robot(Rendered):
         """Evaluate the regressor, or some of its columns."""
         states = self._states(model, q, qd, qdd)
         width = len(self._labels) if columns is None else len(columns)
-        rows = () if model == "h" else (self.n,)
+        rows = () if model == "h" else (self.m,)
         out = arrays.output(out, (*states.lead, *rows, width))
         self._inner.regressor(model, columns, states.q, states.qd, states.qdd, out)
         return out
@@ -358,7 +393,7 @@ class Robot(Rendered):
             if model != "h":
                 raise ShapeError(f"qdd is missing: model {model} needs accelerations")
             qdd = np.zeros(np.shape(q))
-        return arrays.states(q, qd, qdd, self.n)
+        return arrays.states(q, qd, qdd, self.m)
 
     def torques(
         self,
@@ -371,8 +406,8 @@ class Robot(Rendered):
 
         Parameters
         ----------
-        q, qd, qdd : array_like, shape (n,) or (N, n)
-            Joint states.
+        q, qd, qdd : array_like, shape (m,) or (N, m)
+            States of the independent joints.
         X : array_like of shape (C,), or mapping from labels to values
             Standard parameters; by default those of the robot file. Labels that a mapping
             leaves out count as zero.
@@ -386,9 +421,9 @@ class Robot(Rendered):
         ShapeError, ArrayError, UnknownParameterError
             An argument is not usable.
         """
-        states = arrays.states(q, qd, qdd, self.n)
+        states = arrays.states(q, qd, qdd, self.m)
         x = self._standard_parameters(X)
-        out = np.empty((*states.lead, self.n))
+        out = np.empty((*states.lead, self.m))
         self._inner.torques(x, states.q, states.qd, states.qdd, out)
         return out
 
@@ -494,7 +529,7 @@ class Robot(Rendered):
         if not isinstance(samples, tuple) or len(samples) != 3:
             raise OptionError("samples is no tuple (q, qd, qdd) and no Scaling")
         q, qd, qdd = samples
-        return arrays.states(q, qd, qdd, self.n)[:3]
+        return arrays.states(q, qd, qdd, self.m)[:3]
 
     def scale(
         self,

@@ -63,6 +63,14 @@ pub struct Link {
     pub inertia: [Option<f64>; 11],
 }
 
+impl Link {
+    /// What messages call the joint that moves the link: its own name, or else the link's.
+    #[must_use]
+    pub fn label(&self) -> &str {
+        self.joint_name.as_deref().unwrap_or(&self.name)
+    }
+}
+
 /// Why a description is not a mechanism.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MechanismError {

@@ -95,6 +95,13 @@ impl Answer {
         Some((s.rank, s.primes, s.seeds, s.failure_probability, s.generic))
     }
 
+    /// Rank of the tree without couples, and the columns that they remove.
+    #[getter]
+    fn opened(&self) -> Option<(usize, Vec<usize>)> {
+        let opened = self.answer.diagnosis.structure.clone()?.opened?;
+        Some((opened.rank, opened.removed))
+    }
+
     /// Engine, rank, gap and gap at the structural rank of each float engine.
     #[getter]
     fn witnesses(&self) -> Vec<(&'static str, usize, Option<f64>, Option<f64>)> {

@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use roberval_base::{base_parameters, base_parameters_at, compare};
 use roberval_formats::{FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml};
-use roberval_mechanism::{JointKind, Mechanism, RobotDescription, SourceFormat};
+use roberval_mechanism::{Couple, JointKind, Mechanism, RobotDescription, SourceFormat};
 use roberval_regressor::Regressor;
 use roberval_tables as tables;
 
@@ -28,6 +28,8 @@ pub struct Robot {
 }
 
 /// Name, joint name, antecedent, kind, active, rotor of a link.
+type CoupleRow = (String, Vec<(String, String)>, String);
+
 type LinkRow = (
     String,
     Option<String>,
@@ -148,6 +150,32 @@ impl Robot {
     #[getter]
     fn independent(&self) -> usize {
         self.regressor.independent()
+    }
+
+    #[getter]
+    fn independent_joints(&self) -> Vec<String> {
+        let joints = self.mechanism.independent_joints();
+        joints.iter().map(|link| link.label().to_owned()).collect()
+    }
+
+    /// Joint, the joints it follows with their multipliers, offset.
+    #[getter]
+    fn couples(&self) -> Vec<CoupleRow> {
+        let description = &self.mechanism.description;
+        let label = |name: &str| {
+            let link = description.links.iter().position(|l| l.name == name);
+            link.map_or(name, |l| description.joint_label(l)).to_owned()
+        };
+        let row = |couple: &Couple| {
+            let terms = couple.terms.iter();
+            let terms = terms.map(|t| (label(&t.joint), t.multiplier.text.clone()));
+            (
+                label(&couple.joint),
+                terms.collect(),
+                couple.offset.text.clone(),
+            )
+        };
+        description.couples.iter().map(row).collect()
     }
 
     #[getter]

@@ -15,7 +15,7 @@ pub(crate) fn lines(mechanism: &Mechanism) -> Vec<String> {
         return Vec::new();
     }
     let independent = mechanism.independent_joints();
-    let names: Vec<String> = independent.iter().map(|link| label(link)).collect();
+    let names: Vec<String> = independent.iter().map(|l| l.label().to_owned()).collect();
     let couples = &mechanism.description.couples;
     let couples: Vec<String> = couples.iter().map(|c| equation(mechanism, c)).collect();
     vec![
@@ -56,15 +56,11 @@ pub(crate) fn json(mechanism: &Mechanism) -> Value {
     })
 }
 
-fn label(link: &Link) -> String {
-    link.joint_name.as_ref().unwrap_or(&link.name).clone()
-}
-
 /// `q(2) = q(3) - 1/2 q(4) + 3*pi`, as written.
 fn equation(mechanism: &Mechanism, couple: &Couple) -> String {
     let name = |name: &str| {
         let link = mechanism.links.iter().find(|link| link.name == name);
-        format!("q({})", link.map_or(name.to_owned(), label))
+        format!("q({})", link.map_or(name, Link::label))
     };
     let mut sum = String::new();
     for term in &couple.terms {

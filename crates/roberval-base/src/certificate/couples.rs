@@ -43,9 +43,8 @@ impl<'a> Couples<'a> {
     }
 
     fn refused(&self, variable: usize) -> CertificateError {
-        let link = self.joints[variable];
         CertificateError::Couple {
-            joint: link.joint_name.as_ref().unwrap_or(&link.name).clone(),
+            joint: self.joints[variable].label().to_owned(),
         }
     }
 
