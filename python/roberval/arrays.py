@@ -41,14 +41,15 @@ class States(NamedTuple):
     lead: tuple[int, ...]
 
 
-def states(q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike, m: int) -> States:
-    """Return q, qd and qdd, all of one shape, (m,) or (N, m)."""
+def states(q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike, m: int, n: int) -> States:
+    """Return q, qd and qdd, all of one shape, (m,) or (N, m); m of n joints are independent."""
     arrays = [numbers("q", q), numbers("qd", qd), numbers("qdd", qdd)]
+    joints = f"{m} moving joints" if m == n else f"{m} independent joints of {n}"
     for name, array in zip(("q", "qd", "qdd"), arrays, strict=True):
         if array.ndim not in (1, 2) or array.shape[-1] != m:
             raise ShapeError(
                 f"{name} has shape {array.shape}, expected ({m},) for one state "
-                f"or (N, {m}) for N states: the robot has {m} independent joints"
+                f"or (N, {m}) for N states: the robot has {joints}"
             )
         if array.shape != arrays[0].shape:
             raise ShapeError(

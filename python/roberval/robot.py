@@ -393,7 +393,7 @@ class Robot(Rendered):
             if model != "h":
                 raise ShapeError(f"qdd is missing: model {model} needs accelerations")
             qdd = np.zeros(np.shape(q))
-        return arrays.states(q, qd, qdd, self.m)
+        return arrays.states(q, qd, qdd, self.m, self.n)
 
     def torques(
         self,
@@ -421,7 +421,7 @@ class Robot(Rendered):
         ShapeError, ArrayError, UnknownParameterError
             An argument is not usable.
         """
-        states = arrays.states(q, qd, qdd, self.m)
+        states = arrays.states(q, qd, qdd, self.m, self.n)
         x = self._standard_parameters(X)
         out = np.empty((*states.lead, self.m))
         self._inner.torques(x, states.q, states.qd, states.qdd, out)
@@ -529,7 +529,7 @@ class Robot(Rendered):
         if not isinstance(samples, tuple) or len(samples) != 3:
             raise OptionError("samples is no tuple (q, qd, qdd) and no Scaling")
         q, qd, qdd = samples
-        return arrays.states(q, qd, qdd, self.m)[:3]
+        return arrays.states(q, qd, qdd, self.m, self.n)[:3]
 
     def scale(
         self,
