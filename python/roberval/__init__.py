@@ -9,6 +9,7 @@
 
 from ._core import __version__
 from .base import BaseParameters, Comparison, Relations, Route
+from .conventions import Convention, ParameterOrder, convention
 from .diagnosis import Blame, Diagnosis, Literal, Structure, Witness
 from .errors import (
     ArrayError,
@@ -24,6 +25,7 @@ from .errors import (
     UnknownParameterError,
 )
 from .exact import Exact, Surd
+from .linting import Finding, lint
 from .loading import CatalogueEntry, catalogue, load
 from .options import Choice, Engine, Model, Number, Snap
 from .robot import Couple, Link, Robot
@@ -36,11 +38,13 @@ __all__ = [
     "CatalogueEntry",
     "Choice",
     "Comparison",
+    "Convention",
     "Couple",
     "Diagnosis",
     "DoubtfulRankWarning",
     "Engine",
     "Exact",
+    "Finding",
     "Grade",
     "InternalError",
     "Link",
@@ -50,6 +54,7 @@ __all__ = [
     "Number",
     "NumericalError",
     "OptionError",
+    "ParameterOrder",
     "Relations",
     "RobervalError",
     "Robot",
@@ -65,5 +70,7 @@ __all__ = [
     "Witness",
     "__version__",
     "catalogue",
+    "convention",
+    "lint",
     "load",
 ]

@@ -7,7 +7,18 @@ import numpy.typing as npt
 from .options import Options, Reading
 from .scaling import ScalingOptions
 
-__all__ = ["Answer", "Comparison", "Robot", "Scaling", "__version__", "catalogue", "run_cli"]
+__all__ = [
+    "Answer",
+    "Comparison",
+    "Robot",
+    "Scaling",
+    "__version__",
+    "catalogue",
+    "conventions",
+    "convert",
+    "lint",
+    "run_cli",
+]
 
 __version__: str
 
@@ -147,5 +158,10 @@ class Scaling:
     @property
     def after(self) -> tuple[float, float, float, int, float | None]: ...
 
+_Finding = tuple[str, int | None, int | None, str, str, str, str, str]
+
+def lint(path_or_name: str) -> list[_Finding]: ...
+def conventions() -> list[tuple[str, list[str], str]]: ...
+def convert(convention: str, to_paper: bool, numbers: list[float]) -> list[float] | None: ...
 def catalogue() -> list[tuple[str, str, str]]: ...
 def run_cli(arguments: Sequence[str]) -> int: ...

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from . import _core, arrays, mdh, rendering
 from .arrays import Array
 from .base import BaseParameters, Comparison, analyse
+from .conventions import Order, ParameterOrder
 from .errors import OptionError, RobervalError, RobotWarning, ShapeError
 from .options import Choice, Engine, Model, Number, Reading, Snap, options, reading
 from .rendering import Rendered

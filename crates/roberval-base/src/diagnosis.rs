@@ -4,7 +4,7 @@ use roberval_linalg::RankDecision;
 use roberval_mechanism::ParameterSpace;
 
 use crate::engine::Judgement;
-use crate::{Engine, ExactDecision, Literal, NullspaceDecision};
+use crate::{Engine, ExactDecision, Literal, NullspaceDecision, Precision};
 
 /// The dropped and the kept part of the spectrum must be this far apart, or the rank is
 /// doubtful: clean geometry shows 1e10 and more.
@@ -20,7 +20,7 @@ const KNOWN_COEFFICIENT: f64 = 1e-9;
 
 /// Relations hold at fresh samples to this, relative to the column, or the rank is
 /// doubtful: rounding leaves 1e-12 on a 36-link chain.
-const FRESH_RESIDUAL: f64 = 1e-9;
+pub(crate) const FRESH_RESIDUAL: f64 = 1e-9;
 
 /// How sure a rank is.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +42,8 @@ pub struct Diagnosis {
     pub messages: Vec<String>,
     /// How the exact engine decided, if it did.
     pub structure: Option<Structure>,
+    /// How pairs of doubles decided, if they did.
+    pub precision: Option<Precision>,
     /// What the float engines make of the same robot.
     pub witnesses: Vec<Witness>,
     /// What the file as written gives, if it was cleaned.
@@ -79,8 +81,8 @@ pub struct Opened {
 }
 
 impl Opened {
-    fn of(tree: &NullspaceDecision, exact: &ExactDecision) -> Self {
-        let removed = tree.kept.iter().filter(|c| !exact.kept.contains(c));
+    pub(crate) fn of(tree: &NullspaceDecision, kept: &[usize]) -> Self {
+        let removed = tree.kept.iter().filter(|c| !kept.contains(c));
         Self {
             rank: tree.rank,
             removed: removed.copied().collect(),
@@ -139,6 +141,7 @@ impl Diagnosis {
             residual,
             messages,
             structure: None,
+            precision: None,
             witnesses: Vec::new(),
             literal: None,
         }
@@ -208,12 +211,13 @@ impl Diagnosis {
             structure: Some(Structure {
                 rank,
                 nullspace_rank,
-                opened: opened.then(|| Opened::of(tree, exact)),
+                opened: opened.then(|| Opened::of(tree, &exact.kept)),
                 primes: exact.primes.clone(),
                 seeds: exact.seeds.clone(),
                 failure_probability: exact.failure_probability,
                 generic: exact.generic.clone(),
             }),
+            precision: None,
             witnesses,
             literal,
         }
@@ -222,7 +226,7 @@ impl Diagnosis {
 
 impl Literal {
     /// What the user should know of the file as written.
-    fn messages(&self, rank: usize) -> Vec<String> {
+    pub(crate) fn messages(&self, rank: usize) -> Vec<String> {
         let mut messages = Vec::new();
         if self.rank != rank {
             let causes: Vec<&str> = self.blame.iter().map(|b| b.what.as_str()).collect();
@@ -243,7 +247,7 @@ impl Literal {
 }
 
 impl Witness {
-    fn of(engine: Engine, decision: &RankDecision, rank: usize) -> Self {
+    pub(crate) fn of(engine: Engine, decision: &RankDecision, rank: usize) -> Self {
         let mut sorted = decision.spectrum.clone();
         sorted.sort_by(|a, b| b.total_cmp(a));
         let gap = (rank > 0 && rank < sorted.len()).then(|| sorted[rank - 1] / sorted[rank]);
@@ -257,7 +261,7 @@ impl Witness {
         }
     }
 
-    fn dissent(&self, rank: usize) -> String {
+    pub(crate) fn dissent(&self, rank: usize) -> String {
         let engine = self.engine.name();
         format!(
             "in floats, {engine} counts {} instead of {rank}: its gap is {} there and {} at {rank}",

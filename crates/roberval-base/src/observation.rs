@@ -76,6 +76,11 @@ impl ObservationRows {
         self.values.len() / self.width
     }
 
+    /// For each column, what its largest entry would be if nothing cancelled.
+    pub fn largest_magnitudes(&self) -> Vec<f64> {
+        largest(&self.magnitudes, self.width)
+    }
+
     /// Reading the entries as rows of `width` places: for each place, its largest entry
     /// over its largest magnitude. With `width` = C the places are the columns; with n C
     /// they are the places of a sample's n rows.

@@ -4,40 +4,60 @@ use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use clap::CommandFactory;
 use roberval_base::{ScalingOptions, base_parameters};
 use roberval_formats::{catalogue, clean_file};
 use roberval_mechanism::{CleanMode, Mechanism};
 use roberval_tables::{self as tables, Format, RobotEntry};
 
 use crate::arguments::{
-    BaseArgs, CleanArgs, Command, CompareArgs, OutputArgs, ScaleArgs, ShowArgs,
+    BaseArgs, CleanArgs, Cli, Command, CompareArgs, CompletionsArgs, OutputArgs, ScaleArgs,
+    ShowArgs,
 };
 use crate::error::CliError;
+use crate::look::Look;
 use crate::output::Target;
 use crate::robot::{load, policy};
-use crate::{CLEAR, DOUBTFUL, regressor, say};
+use crate::{CLEAR, DOUBTFUL, demo, lint, regressor, say};
 
 /// Runs a subcommand; gives the exit code.
 pub(crate) fn execute(
     command: &Command,
     out: &mut dyn Write,
     err: &mut dyn Write,
+    look: Look,
 ) -> Result<i32, CliError> {
     match command {
-        Command::Show(args) => show(args, out),
-        Command::Base(args) => base(args, out, err),
-        Command::Compare(args) => compare(args, out, err),
+        Command::Demo(args) => demo::run(args, out),
+        Command::Show(args) => show(args, out, look),
+        Command::Lint(args) => lint::run(args, out, err, look),
+        Command::Completions(args) => completions(args, out),
+        Command::Base(args) => base(args, out, err, look),
+        Command::Compare(args) => compare(args, out, err, look),
         Command::Clean(args) => clean(args, out, err),
         Command::Regressor(args) => regressor::run(args, out, err),
-        Command::Scale(args) => scale(args, out, err),
+        Command::Scale(args) => scale(args, out, err, look),
     }
 }
 
-fn show(args: &ShowArgs, out: &mut dyn Write) -> Result<i32, CliError> {
-    answer(&args.output, out, |format| match &args.robot {
-        Some(robot) => Ok(tables::show(&load(robot, &args.reading)?, format)),
+fn show(args: &ShowArgs, out: &mut dyn Write, look: Look) -> Result<i32, CliError> {
+    answer(&args.output, out, look, |format| match &args.robot {
+        Some(robot) => {
+            let mechanism = load(robot, &args.reading)?;
+            Ok(match args.order {
+                Some(order) => tables::parameters(&mechanism, order, format),
+                None => tables::show(&mechanism, format),
+            })
+        }
         None => Ok(list(format)),
     })?;
+    Ok(CLEAR)
+}
+
+fn completions(args: &CompletionsArgs, out: &mut dyn Write) -> Result<i32, CliError> {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), "roberval", &mut script);
+    Target::new(None)?.write(out, |sink| sink.write_all(&script))?;
     Ok(CLEAR)
 }
 
@@ -52,12 +72,17 @@ fn list(format: Format) -> String {
     tables::catalogue(&robots, format)
 }
 
-fn base(args: &BaseArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
+fn base(
+    args: &BaseArgs,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+    look: Look,
+) -> Result<i32, CliError> {
     let options = args.method.options(&args.choice)?;
     let certificate = beside("--certificate", args.certificate.as_deref())?;
     let report = beside("--report", args.report.as_deref())?;
     let mut doubts = Vec::new();
-    answer(&args.output, out, |format| {
+    answer(&args.output, out, look, |format| {
         let mechanism = load(&args.robot.robot, &args.robot.reading)?;
         warn(&mechanism, err);
         let answer = base_parameters(&mechanism, &options)?;
@@ -114,10 +139,15 @@ fn clean(args: &CleanArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i
     Ok(CLEAR)
 }
 
-fn compare(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
+fn compare(
+    args: &CompareArgs,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+    look: Look,
+) -> Result<i32, CliError> {
     let (choice, tolerance) = (args.choice.choice()?, args.choice.tolerance());
     let mut doubts = Vec::new();
-    answer(&args.output, out, |format| {
+    answer(&args.output, out, look, |format| {
         let mechanism = load(&args.robot.robot, &args.robot.reading)?;
         warn(&mechanism, err);
         let comparison = roberval_base::compare(&mechanism, &choice, tolerance, args.choice.seed)?;
@@ -127,7 +157,12 @@ fn compare(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write) -> Resu
     Ok(verdict(&doubts, err))
 }
 
-fn scale(args: &ScaleArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
+fn scale(
+    args: &ScaleArgs,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+    look: Look,
+) -> Result<i32, CliError> {
     let options = ScalingOptions {
         model: args.model,
         seed: args.seed,
@@ -136,7 +171,7 @@ fn scale(args: &ScaleArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i
         ..ScalingOptions::default()
     };
     let mut doubts = Vec::new();
-    answer(&args.output, out, |format| {
+    answer(&args.output, out, look, |format| {
         let mechanism = load(&args.robot.robot, &args.robot.reading)?;
         warn(&mechanism, err);
         let scaling = roberval_base::scale(&mechanism, &options, |_| ControlFlow::Continue(()))?;
@@ -152,13 +187,18 @@ fn scale(args: &ScaleArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i
 }
 
 /// Computes a text and writes it where it belongs; a bad `-o` is told before computing.
-fn answer(
+pub(crate) fn answer(
     output: &OutputArgs,
     out: &mut dyn Write,
+    look: Look,
     compute: impl FnOnce(Format) -> Result<String, CliError>,
 ) -> Result<(), CliError> {
     let target = Target::new(output.output.as_deref())?;
-    let text = compute(output.format)?;
+    let format = match (&target, output.format) {
+        (Target::Stdout, Format::Table) if look.colour => Format::Coloured,
+        (_, format) => format,
+    };
+    let text = look.during(|| compute(format))?;
     target.write(out, |sink| sink.write_all(text.as_bytes()))
 }
 

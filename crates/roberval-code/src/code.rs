@@ -25,6 +25,11 @@ pub enum CodeError {
     /// Friction was asked of something else than tau.
     #[error("friction is a part of tau only, not of {}", .0.name())]
     Friction(What),
+    /// The robot's passive joints are found by iteration.
+    #[error(
+        "code is written for chains, trees and couples, not for loops given by cut joints: give the passive joints as couples"
+    )]
+    Loops,
 }
 
 /// Straight-line code of one model of a robot.
@@ -34,7 +39,7 @@ pub struct Code {
     pub what: What,
     /// The robot's name as in its file.
     pub robot: String,
-    /// Names of the joint variables: the link that each moves, and whether by turning.
+    /// The independent joint variables: the link that each moves, and whether by turning.
     pub joints: Vec<(String, JointKind)>,
     /// Names of the parameters it takes, or of the columns it gives.
     pub parameters: Vec<String>,
@@ -56,6 +61,9 @@ impl Code {
         if request.friction && what != What::Tau {
             return Err(CodeError::Friction(what));
         }
+        if mechanism.assembly.is_some() {
+            return Err(CodeError::Loops);
+        }
         let program = record(mechanism, what, request.columns, request.friction);
         let (prepare, main) = match program.divided() {
             Some((prepare, main)) => (Some(prepare), main),
@@ -68,13 +76,21 @@ impl Code {
             .links
             .iter()
             .filter(|l| l.joint != JointKind::Fixed);
-        let joints: Vec<_> = moving.map(|l| (l.name.clone(), l.joint)).collect();
+        let moving: Vec<_> = moving.map(|l| (l.name.clone(), l.joint)).collect();
         if request.friction {
-            let names = joints
+            let names = moving
                 .iter()
                 .flat_map(|(name, _)| ["Fv", "Fc"].map(|f| format!("{f}_{name}")));
             parameters.extend(names);
         }
+        let joints = match &mechanism.closure {
+            None => moving,
+            Some(closure) => closure
+                .independent
+                .iter()
+                .map(|&i| moving[i].clone())
+                .collect(),
+        };
         Ok(Self {
             what,
             robot: mechanism.name.clone(),

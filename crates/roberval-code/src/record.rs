@@ -2,10 +2,10 @@
 
 use std::str::FromStr;
 
-use roberval_mechanism::{JointKind, Mechanism, ParameterSpace};
+use roberval_mechanism::{JointKind, Mechanism, ParameterSpace, VariableLaw};
 use roberval_regressor::{
-    DynamicsWorkspace, EnergyWorkspace, JointMotion, SelectedRows, Shape, Tree, dynamics, energy,
-    newton_euler,
+    Body, DynamicsWorkspace, EnergyWorkspace, JointMotion, Projected, SelectedRows, Shape,
+    Transmission, Tree, dynamics, energy, newton_euler,
 };
 
 use crate::graph::{Graph, Recorded};
@@ -138,6 +138,12 @@ struct Recorder<'g> {
     graph: &'g Graph,
     tree: Tree<Recorded<'g>>,
     shapes: Vec<Shape>,
+    /// G: the joint variables that each independent coordinate moves.
+    transmission: Transmission<Recorded<'g>>,
+    /// The joint variables where the independent ones are 0.
+    offsets: Vec<f64>,
+    /// Number of independent coordinates m.
+    independent: usize,
     /// Whether mass moves between bodies as no motion can tell.
     regroup: bool,
     space: ParameterSpace,
@@ -152,11 +158,13 @@ impl<'g> Recorder<'g> {
         let space = mechanism.parameters();
         let tree = Tree::of(mechanism);
         let shapes = Shape::of(&tree);
+        let (rows, offsets): (Vec<_>, Vec<f64>) = laws(mechanism).into_iter().unzip();
+        let transmission = Transmission::from_rows(rows);
         let tree = tree.map(|x| Recorded::constant(graph, x));
-        let n = tree.dof;
-        let mut inputs: Vec<Input> = (0..n).map(Input::Q).collect();
-        inputs.extend((0..n).map(Input::Qd));
-        inputs.extend((0..n).map(Input::Qdd));
+        let m = mechanism.independent();
+        let mut inputs: Vec<Input> = (0..m).map(Input::Q).collect();
+        inputs.extend((0..m).map(Input::Qd));
+        inputs.extend((0..m).map(Input::Qdd));
         let mut x = vec![tree.constants.zero; space.len()];
         for (place, &column) in columns.iter().enumerate() {
             x[column] = Recorded::input(graph, inputs.len());
@@ -166,6 +174,9 @@ impl<'g> Recorder<'g> {
             graph,
             tree,
             shapes,
+            transmission: transmission.map(|x| Recorded::constant(graph, x)),
+            offsets,
+            independent: m,
             regroup,
             space,
             width: columns.len(),
@@ -174,14 +185,21 @@ impl<'g> Recorder<'g> {
         }
     }
 
-    /// How the bodies move; velocities and accelerations as given.
+    /// Joint variable i, or its rate, of independent coordinates or their rates.
+    fn of_independent(&self, i: usize, qa: impl Fn(usize) -> Recorded<'g>) -> Recorded<'g> {
+        let terms = self.transmission.row(i).map(|(place, g)| g * qa(place));
+        terms.fold(self.zero(), |sum, term| sum + term)
+    }
+
+    /// How the bodies move; velocities and accelerations of the independent coordinates
+    /// as given.
     fn motion(
         &self,
-        qd: impl Fn(usize) -> Recorded<'g>,
-        qdd: impl Fn(usize) -> Recorded<'g>,
+        qad: impl Fn(usize) -> Recorded<'g>,
+        qadd: impl Fn(usize) -> Recorded<'g>,
     ) -> Vec<JointMotion<Recorded<'g>>> {
         let (zero, one) = (self.tree.constants.zero, self.tree.constants.one);
-        let of_body = |body: &roberval_regressor::Body<Recorded<'g>>| {
+        let of_body = |body: &Body<Recorded<'g>>| {
             let still = JointMotion {
                 cos: one,
                 sin: zero,
@@ -190,11 +208,12 @@ impl<'g> Recorder<'g> {
                 qd: zero,
                 qdd: zero,
             };
-            let Some(k) = body.variable else { return still };
-            let q = Recorded::input(self.graph, k);
+            let Some(i) = body.variable else { return still };
+            let q = self.of_independent(i, |k| Recorded::input(self.graph, k))
+                + Recorded::constant(self.graph, self.offsets[i]);
             let moving = JointMotion {
-                qd: qd(k),
-                qdd: qdd(k),
+                qd: self.of_independent(i, &qad),
+                qdd: self.of_independent(i, &qadd),
                 ..still
             };
             match body.joint {
@@ -210,12 +229,23 @@ impl<'g> Recorder<'g> {
         self.tree.bodies.iter().map(of_body).collect()
     }
 
-    fn qd(&self, k: usize) -> Recorded<'g> {
-        Recorded::input(self.graph, self.tree.dof + k)
+    /// G' tau: the torques of the independent coordinates.
+    fn projected(&self, tau: &[Recorded<'g>]) -> Vec<Recorded<'g>> {
+        let mut torques = vec![self.zero(); self.independent];
+        for (i, tau) in tau.iter().enumerate() {
+            for (place, g) in self.transmission.row(i) {
+                torques[place] = torques[place] + g * *tau;
+            }
+        }
+        torques
     }
 
-    fn qdd(&self, k: usize) -> Recorded<'g> {
-        Recorded::input(self.graph, 2 * self.tree.dof + k)
+    fn qad(&self, k: usize) -> Recorded<'g> {
+        Recorded::input(self.graph, self.independent + k)
+    }
+
+    fn qadd(&self, k: usize) -> Recorded<'g> {
+        Recorded::input(self.graph, 2 * self.independent + k)
     }
 
     fn zero(&self) -> Recorded<'g> {
@@ -237,55 +267,59 @@ impl<'g> Recorder<'g> {
     }
 
     fn tau(&mut self, friction: bool) -> Vec<Recorded<'g>> {
-        let mut tau = self.newton_euler(&self.motion(|k| self.qd(k), |k| self.qdd(k)));
-        let variables: Vec<usize> = (0..self.tree.bodies.len())
+        let mut tau = self.newton_euler(&self.motion(|k| self.qad(k), |k| self.qadd(k)));
+        let moving: Vec<usize> = (0..self.tree.bodies.len())
             .filter(|&j| friction && self.tree.bodies[j].variable.is_some())
             .collect();
-        for (k, j) in variables.into_iter().enumerate() {
+        for (i, j) in moving.into_iter().enumerate() {
             self.graph.set_link(j);
-            let qd = self.qd(k);
+            let qd = self.of_independent(i, |k| self.qad(k));
             let first = self.inputs.len();
             let [fv, fc] = [first, first + 1].map(|at| Recorded::input(self.graph, at));
-            let place = self.width + 2 * k;
+            let place = self.width + 2 * i;
             self.inputs
                 .extend([Input::Parameter(place), Input::Parameter(place + 1)]);
-            tau[k] = tau[k] + fv * qd + fc * qd.sign();
+            tau[i] = tau[i] + fv * qd + fc * qd.sign();
         }
-        tau
+        self.projected(&tau)
     }
 
     fn gravity(&mut self) -> Vec<Recorded<'g>> {
         let zero = self.zero();
-        self.newton_euler(&self.motion(|_| zero, |_| zero))
+        self.projected(&self.newton_euler(&self.motion(|_| zero, |_| zero)))
     }
 
-    /// Column k: the torques of a unit acceleration of joint k, without gravity. The
+    /// Column k: the torques of a unit acceleration of coordinate k, without gravity. The
     /// matrix is symmetric: what is above the diagonal is taken from below.
     fn mass_matrix(&mut self) -> Vec<Recorded<'g>> {
         let (zero, one) = (self.zero(), self.tree.constants.one);
         self.tree.gravity = [zero; 3];
-        let n = self.tree.dof;
-        let mut matrix = vec![zero; n * n];
-        for k in 0..n {
+        let m = self.independent;
+        let mut matrix = vec![zero; m * m];
+        for k in 0..m {
             let unit = |i: usize| if i == k { one } else { zero };
-            let column = self.newton_euler(&self.motion(|_| zero, unit));
+            let column = self.projected(&self.newton_euler(&self.motion(|_| zero, unit)));
             for i in 0..=k {
-                matrix[i * n + k] = column[i];
-                matrix[k * n + i] = column[i];
+                matrix[i * m + k] = column[i];
+                matrix[k * m + i] = column[i];
             }
         }
         matrix
     }
 
     fn regressor(&mut self, columns: &[usize]) -> Vec<Recorded<'g>> {
-        let motion = self.motion(|k| self.qd(k), |k| self.qdd(k));
-        self.rows(columns, self.tree.dof, |tree, sink| {
-            dynamics(tree, &motion, &mut DynamicsWorkspace::new(tree), sink);
+        let motion = self.motion(|k| self.qad(k), |k| self.qadd(k));
+        self.rows(columns, self.independent, |tree, sink| {
+            let mut sink = Projected {
+                transmission: &self.transmission,
+                inner: sink,
+            };
+            dynamics(tree, &motion, &mut DynamicsWorkspace::new(tree), &mut sink);
         })
     }
 
     fn energy(&mut self, columns: &[usize]) -> Vec<Recorded<'g>> {
-        let motion = self.motion(|k| self.qd(k), |_| self.zero());
+        let motion = self.motion(|k| self.qad(k), |_| self.zero());
         self.rows(columns, 1, |tree, sink| {
             energy(tree, &motion, &mut EnergyWorkspace::new(tree), sink);
         })
@@ -311,4 +345,23 @@ impl<'g> Recorder<'g> {
         fill(&self.tree, &mut sink);
         rows
     }
+}
+
+/// The law of each joint variable: its multiples of independent coordinates, and where it
+/// stands when they are 0.
+fn laws(mechanism: &Mechanism) -> Vec<(Vec<(usize, f64)>, f64)> {
+    let Some(closure) = &mechanism.closure else {
+        return (0..mechanism.dof())
+            .map(|i| (vec![(i, 1.0)], 0.0))
+            .collect();
+    };
+    let law = |law: &VariableLaw| match law {
+        VariableLaw::Independent(place) => (vec![(*place, 1.0)], 0.0),
+        VariableLaw::Implicit => (Vec::new(), 0.0), // refused before
+        VariableLaw::Affine(law) => {
+            let terms = law.terms.iter().map(|(place, g)| (*place, g.value));
+            (terms.collect(), law.offset.value)
+        }
+    };
+    closure.laws.iter().map(law).collect()
 }

@@ -167,14 +167,18 @@ impl fmt::Display for FormatError {
         if let Some(hint) = &self.hint {
             write!(line, "; {hint}")?;
         }
-        // Texts from the file reach terminals and logs through here.
-        for c in line.chars() {
-            if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}' | '\u{202a}'..='\u{202e}') {
-                write!(f, "{}", c.escape_unicode())?;
-            } else {
-                f.write_char(c)?;
-            }
-        }
-        Ok(())
+        f.write_str(&visible(&line))
     }
+}
+
+/// Texts from files reach terminals and logs through here.
+pub(crate) fn visible(line: &str) -> String {
+    line.chars().fold(String::new(), |mut text, c| {
+        if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}' | '\u{202a}'..='\u{202e}') {
+            text.extend(c.escape_unicode());
+        } else {
+            text.push(c);
+        }
+        text
+    })
 }

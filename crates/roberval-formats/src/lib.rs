@@ -5,6 +5,7 @@
 
 mod catalogue;
 mod error;
+mod lint;
 mod load;
 mod source;
 mod splice;
@@ -15,6 +16,7 @@ mod words;
 
 pub use catalogue::{CatalogueEntry, catalogue};
 pub use error::{Code, FormatError, Position};
+pub use lint::{Finding, Rule, Severity, lint};
 pub use load::{clean_file, load, load_with};
 pub use roberval_mechanism::RobotDescription;
 pub use source::MAX_FILE_BYTES;

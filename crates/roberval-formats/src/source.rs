@@ -13,7 +13,7 @@ pub(crate) struct Source<'a> {
     pub name: &'a str,
     pub text: &'a str,
     /// Faults that were read over, a sentence each.
-    pub warnings: RefCell<Vec<String>>,
+    pub warnings: RefCell<Vec<(Position, String)>>,
 }
 
 impl<'a> Source<'a> {
@@ -49,9 +49,8 @@ impl<'a> Source<'a> {
 
     /// Notes a fault that was read over.
     pub fn warn(&self, offset: usize, place: &str, what: &str) {
-        let line = self.position(offset).line;
-        let mut warnings = self.warnings.borrow_mut();
-        warnings.push(format!("line {line}, {place}: {what}"));
+        let slip = (self.position(offset), format!("{place}: {what}"));
+        self.warnings.borrow_mut().push(slip);
     }
 
     pub fn error(&self, code: Code, offset: usize, what: impl Into<String>) -> FormatError {

@@ -2,6 +2,7 @@
 
 mod clean;
 mod couple;
+mod loops;
 mod section;
 mod write;
 
@@ -17,6 +18,7 @@ use crate::source::{Source, check_size, stem};
 use crate::suspects;
 use crate::words::{nearest, quoted};
 pub use clean::clean_toml;
+pub(crate) use clean::{change_key, with_spans};
 use section::Section;
 pub use write::to_toml;
 
@@ -29,7 +31,7 @@ const MAX_CONSTANTS: usize = 1000;
 /// The name that stands for the base in `antecedent`.
 pub(crate) const BASE: &str = "base";
 
-const ROBOT_KEYS: &[&str] = &["name", "gravity", "constants", "link", "couple"];
+const ROBOT_KEYS: &[&str] = &["name", "gravity", "constants", "link", "couple", "loop"];
 const LINK_KEYS: &[&str] = &[
     "name",
     "antecedent",
@@ -64,6 +66,7 @@ pub fn parse_toml(text: &str, source_name: &str) -> Result<RobotDescription, For
         gravity: gravity(&robot, &constants)?,
         links: Vec::new(),
         couples: Vec::new(),
+        loops: Vec::new(),
         constants,
         format: SourceFormat::Mdh,
         warnings: Vec::new(),
@@ -85,6 +88,7 @@ pub fn parse_toml(text: &str, source_name: &str) -> Result<RobotDescription, For
     }
     check_tree(&source, &description, &tables)?;
     couple::couples(&robot, &mut description)?;
+    description.loops = loops::read(&robot, &description)?;
     description.warnings = warnings(&description);
     Ok(description)
 }

@@ -316,6 +316,7 @@ fn robot() -> impl Strategy<Value = RobotDescription> {
                 constants: constants(),
                 links,
                 couples,
+                loops: Vec::new(),
                 format: SourceFormat::Mdh,
                 warnings: Vec::new(),
             }

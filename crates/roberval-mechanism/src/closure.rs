@@ -23,6 +23,8 @@ pub enum VariableLaw {
     Independent(usize),
     /// It is a sum of multiples.
     Affine(AffineLaw),
+    /// It follows from loops, which have to be closed.
+    Implicit,
 }
 
 /// q = sum of multiplier * qa\[place\] + offset, chains of couples resolved. A multiplier

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use nalgebra::{Matrix3, Vector3};
 use roberval_scalar::Quantity;
 
-use crate::Couple;
+use crate::{Couple, LoopClosure};
 
 /// What a robot file says, with its numbers as written. Links stand in file order.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +19,8 @@ pub struct RobotDescription {
     pub links: Vec<LinkDescription>,
     /// Joints whose positions follow from others'.
     pub couples: Vec<Couple>,
+    /// Joints that were cut to make a tree of the links.
+    pub loops: Vec<LoopClosure>,
     /// Where the description comes from.
     pub format: SourceFormat,
     /// What the reader noticed and the user should know (missing inertias, unnormalised

@@ -4,7 +4,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::clean::{CleanPolicy, Cleaned, clean};
 use crate::{
-    Closure, CoupleError, JointKind, ParameterSpace, RobotDescription, TreeError, order, placement,
+    Assembly, AssemblyError, Closure, CoupleError, JointKind, LoopError, ParameterSpace,
+    RobotDescription, TreeError, order, placement,
 };
 
 /// A valid robot with numbers: a chain or tree of links, each after its antecedent.
@@ -19,6 +20,8 @@ pub struct Mechanism {
     /// How all joint variables follow from the independent ones; `None` where all are
     /// independent.
     pub closure: Option<Closure>,
+    /// The branch on which the loops are closed; `None` without loops.
+    pub assembly: Option<Arc<Assembly>>,
     /// What the numbers were made from: the exact engine reads the literals there.
     pub description: Arc<RobotDescription>,
     /// What was set right before, and the description as it was written; `None` for a
@@ -94,6 +97,17 @@ pub enum MechanismError {
     /// A couple that cannot be.
     #[error(transparent)]
     Couple(#[from] CoupleError),
+    /// A loop that is none.
+    #[error(transparent)]
+    Loop(#[from] LoopError),
+    /// Loops that cannot be assembled or moved.
+    #[error("the robot \"{robot}\": {error}")]
+    Assembly {
+        /// The robot's name.
+        robot: String,
+        /// Why.
+        error: AssemblyError,
+    },
     /// A number that must be finite is not.
     #[error("link \"{link}\": {field} is {value}, which is not a finite number")]
     NotFinite {
@@ -159,11 +173,12 @@ impl Mechanism {
             })
             .collect::<Result<Vec<_>, _>>()?;
         let closure = Closure::of(description, &order)?;
-        let mechanism = Self {
+        let mut mechanism = Self {
             name: description.name.clone(),
             gravity,
             links,
             closure,
+            assembly: None,
             description: Arc::new(description.clone()),
             cleaning: None,
         };
@@ -171,6 +186,9 @@ impl Mechanism {
             return Err(MechanismError::Rigid {
                 robot: mechanism.name,
             });
+        }
+        if !description.loops.is_empty() {
+            mechanism.close_loops(&antecedents)?;
         }
         Ok(mechanism)
     }
@@ -201,6 +219,14 @@ impl Mechanism {
             None => moving,
             Some(closure) => closure.independent.iter().map(|&v| moving[v]).collect(),
         }
+    }
+
+    /// What the description's couples say, of a mechanism with loops or without.
+    #[must_use]
+    pub fn couples(&self) -> Option<Closure> {
+        let order: Vec<usize> = self.links.iter().map(|l| l.in_file).collect();
+        // A mechanism's couples have been found to be valid.
+        Closure::of(&self.description, &order).unwrap_or_default()
     }
 
     /// The standard parameters as columns.

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 
-use crate::Link;
+use crate::{Central, Link};
 
 /// Decimals of a file are rounded: this much, of the largest entry, may be missing.
 const ROUNDING: f64 = 1e-6;
@@ -34,19 +34,23 @@ impl Link {
     /// does not give all ten.
     #[must_use]
     pub fn unphysical(&self) -> Option<Unphysical> {
+        let known = self.ten_parameters()?;
+        let size = known[..6].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        match Central::of(&known) {
+            None => Some(Unphysical::Massless),
+            // What is lost by cancelling is relative to J about the frame's origin.
+            Some(body) => judge(body.mass, &body.tensor, size),
+        }
+    }
+
+    /// XX XY XZ YY YZ ZZ MX MY MZ M where the file gives them all.
+    #[must_use]
+    pub fn ten_parameters(&self) -> Option<[f64; 10]> {
         let mut known = [0.0; 10];
         for (known, given) in known.iter_mut().zip(&self.inertia) {
             *known = (*given)?;
         }
-        let [xx, xy, xz, yy, yz, zz, mx, my, mz, mass] = known;
-        let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        let first = Vector3::new(mx, my, mz);
-        if mass == 0.0 {
-            return (first.amax() > 0.0 || tensor.amax() > 0.0).then_some(Unphysical::Massless);
-        }
-        // J about the centre of mass: what is lost by cancelling is relative to J here.
-        let square = Matrix3::identity() * first.norm_squared() - first * first.transpose();
-        judge(mass, &(tensor - square / mass), tensor.amax())
+        Some(known)
     }
 }
 
@@ -92,6 +96,7 @@ impl fmt::Display for Unphysical {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Vector3;
 
     fn diagonal(a: f64, b: f64, c: f64) -> Matrix3<f64> {
         Matrix3::from_diagonal(&Vector3::new(a, b, c))

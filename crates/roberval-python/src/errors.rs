@@ -62,9 +62,11 @@ impl IntoPython for BaseError {
             Self::Regressor(error) => return error.into_python(py),
             Self::Mechanism(error) => return error.into_python(py),
             Self::UnknownParameter { .. } => "UnknownParameterError",
-            Self::KeptAndDropped { .. } | Self::TooFewRows { .. } | Self::TooManyRows { .. } => {
-                "OptionError"
-            }
+            Self::KeptAndDropped { .. }
+            | Self::TooFewRows { .. }
+            | Self::TooManyRows { .. }
+            | Self::LoopsNotScaled => "OptionError",
+            Self::Samples(_) => "RobotError",
             Self::Length { .. } => "ShapeError",
             Self::Stopped { .. } | Self::Exact(_) | Self::Linalg(_) => "NumericalError",
         };

@@ -6,6 +6,7 @@
 mod answer;
 mod calls;
 mod command;
+mod conventions;
 mod errors;
 mod options;
 mod robot;
@@ -22,5 +23,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<answer::Comparison>()?;
     module.add_class::<scaling::Scaling>()?;
     module.add_function(wrap_pyfunction!(robot::catalogue, module)?)?;
+    module.add_function(wrap_pyfunction!(conventions::lint, module)?)?;
+    module.add_function(wrap_pyfunction!(conventions::conventions, module)?)?;
+    module.add_function(wrap_pyfunction!(conventions::convert, module)?)?;
     module.add_function(wrap_pyfunction!(command::run_cli, module)?)
 }

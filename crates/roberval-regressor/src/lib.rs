@@ -14,6 +14,7 @@ mod dynamics;
 mod energy;
 mod exact;
 mod expansion;
+mod loops;
 mod motion;
 mod newton_euler;
 mod sink;
@@ -26,7 +27,7 @@ pub use dynamics::{DynamicsWorkspace, dynamics};
 pub use energy::{EnergyWorkspace, energy};
 pub use exact::{
     AngleOrder, AngleParts, AngleUnit, AngleUnits, CouplePowers, ExactModel, ExactWorkspace,
-    NotInField, PreciseModel, RowsWorkspace, coupled,
+    NotInField, PreciseModel, RowsWorkspace, Turn, coupled, whole_multiple,
 };
 pub use expansion::{Expansion, JointStates, NoValue};
 pub use motion::JointMotion;

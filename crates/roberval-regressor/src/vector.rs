@@ -1,50 +1,5 @@
 //! Three-vectors and rotations over any scalar.
 
-use roberval_scalar::Scalar;
-
-pub type Vec3<T> = [T; 3];
-/// Rows of a 3 x 3 matrix.
-pub type Mat3<T> = [[T; 3]; 3];
-
-#[inline(always)]
-pub fn add<T: Scalar>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-#[inline(always)]
-pub fn scale<T: Scalar>(a: Vec3<T>, s: T) -> Vec3<T> {
-    [a[0] * s, a[1] * s, a[2] * s]
-}
-
-#[inline(always)]
-pub fn dot<T: Scalar>(a: Vec3<T>, b: Vec3<T>) -> T {
-    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
-}
-
-#[inline(always)]
-pub fn cross<T: Scalar>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
-/// A b
-#[inline(always)]
-pub fn apply<T: Scalar>(a: &Mat3<T>, b: Vec3<T>) -> Vec3<T> {
-    [dot(a[0], b), dot(a[1], b), dot(a[2], b)]
-}
-
-/// A' b
-#[inline(always)]
-pub fn apply_transposed<T: Scalar>(a: &Mat3<T>, b: Vec3<T>) -> Vec3<T> {
-    let column = |k: usize| a[0][k].mul_add(b[0], a[1][k].mul_add(b[1], a[2][k] * b[2]));
-    [column(0), column(1), column(2)]
-}
-
-/// A B
-#[inline(always)]
-pub fn product<T: Scalar>(a: &Mat3<T>, b: &Mat3<T>) -> Mat3<T> {
-    a.map(|row| apply_transposed(b, row))
-}
+pub use roberval_scalar::vector::{
+    Mat3, Vec3, add, apply, apply_transposed, cross, dot, product, scale,
+};

@@ -14,6 +14,7 @@ mod primes;
 mod random;
 mod real;
 mod scalar;
+pub mod vector;
 
 pub use double_double::DoubleDouble;
 pub use field::{Fp, Modulus};

@@ -57,9 +57,11 @@ impl Real for DoubleDouble {
         if !self.to_f64().is_finite() {
             return (f64::NAN.into(), f64::NAN.into());
         }
-        Self::cos_sin(&LinearInPi {
-            rational: self.to_rational(),
-            half_turns: BigRational::zero(),
+        self.cos_sin_by_series().unwrap_or_else(|| {
+            Self::cos_sin(&LinearInPi {
+                rational: self.to_rational(),
+                half_turns: BigRational::zero(),
+            })
         })
     }
 
@@ -80,6 +82,25 @@ impl Real for DoubleDouble {
 mod tests {
     use super::*;
     use crate::SplitMix64;
+
+    #[test]
+    fn cosine_and_sine_by_series_are_those_in_integers() {
+        let mut random = SplitMix64::new(7);
+        for k in 0..500 {
+            let x = random.uniform(-1.0, 1.0) * [1.0, 10.0, 1e3, 1e-6][k % 4];
+            let x = DoubleDouble::from(x) + DoubleDouble::from(x * random.uniform(-1e-17, 1e-17));
+            let (cos, sin) = Real::cos_sin(x);
+            let angle = LinearInPi {
+                rational: x.to_rational(),
+                half_turns: BigRational::zero(),
+            };
+            let (c, s) = DoubleDouble::cos_sin(&angle);
+            // A few units of 2^-104, and what the reduction of many turns costs.
+            let bound = 4e-31 * (1.0 + x.to_f64().abs() / 100.0);
+            assert!((cos - c).abs().to_f64() < bound, "{x:?}");
+            assert!((sin - s).abs().to_f64() < bound, "{x:?}");
+        }
+    }
 
     #[test]
     fn the_angle_of_a_point_in_pairs_has_its_cosine_and_sine() {

@@ -11,6 +11,36 @@ pub(crate) enum Item {
     Number(String),
     /// A parameter.
     Label(Label),
+    /// A sign of ours, coloured where there are colours.
+    Mark(&'static str, Tint),
+}
+
+/// A colour of a terminal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Tint {
+    Title,
+    Heading,
+    Keep,
+    Into,
+    Away,
+    Faint,
+    Bad,
+}
+
+impl Tint {
+    /// The text in this colour.
+    pub fn paint(self, text: &str) -> String {
+        let code = match self {
+            Self::Title => "1",
+            Self::Heading => "1;36",
+            Self::Keep => "32",
+            Self::Into => "94",
+            Self::Away => "33",
+            Self::Faint => "2",
+            Self::Bad => "31",
+        };
+        format!("\x1b[{code}m{text}\x1b[0m")
+    }
 }
 
 impl Item {

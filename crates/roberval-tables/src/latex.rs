@@ -70,6 +70,7 @@ fn cell(item: &Item) -> String {
     match item {
         // A bracket at the start of a row would be an argument of the \\ before it.
         Item::Text(text) => format!("{{}}{}", escape::latex(text)),
+        Item::Mark(mark, _) => format!("{{}}{}", escape::latex(mark)),
         Item::Number(number) => format!("${}$", power_of_ten(number)),
         Item::Label(item) => format!("${}$", label(item)),
     }

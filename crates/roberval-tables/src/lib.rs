@@ -13,8 +13,10 @@ mod document;
 mod escape;
 mod json;
 mod latex;
+mod lint;
 mod markdown;
 mod number;
+mod orders;
 mod relation;
 mod report;
 mod robot;
@@ -26,7 +28,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use roberval_base::{BaseParameters, Comparison, Scaling, ScalingOptions};
-use roberval_mechanism::Mechanism;
+use roberval_mechanism::{Convention, Mechanism};
 
 use document::Document;
 
@@ -42,6 +44,8 @@ pub enum Format {
     /// Plain text of at most [`WIDTH`] columns.
     #[default]
     Table,
+    /// The same with colours, for a terminal: no name asks for it.
+    Coloured,
     /// JSON; numbers read back exactly, no NaN or infinity (`null` instead).
     Json,
     /// One table with a header line; cells never start a spreadsheet formula.
@@ -53,7 +57,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// All formats.
+    /// All formats that have a name.
     pub const ALL: [Self; 5] = [
         Self::Table,
         Self::Json,
@@ -66,7 +70,7 @@ impl Format {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Table => "table",
+            Self::Table | Self::Coloured => "table",
             Self::Json => "json",
             Self::Csv => "csv",
             Self::Markdown => "markdown",
@@ -79,7 +83,8 @@ impl Format {
         match self {
             Self::Markdown => markdown::render(document),
             Self::Latex => latex::render(document),
-            Self::Table | Self::Json | Self::Csv => text::render(document),
+            Self::Coloured => text::render(document, true),
+            Self::Table | Self::Json | Self::Csv => text::render(document, false),
         }
     }
 }
@@ -191,6 +196,49 @@ pub struct RobotEntry<'a> {
     pub title: &'a str,
     /// Where its numbers come from.
     pub source: &'a str,
+}
+
+/// The known inertial parameters of a robot's links in somebody's order, a row a link.
+#[must_use]
+pub fn parameters(mechanism: &Mechanism, convention: Convention, format: Format) -> String {
+    match format {
+        Format::Json => orders::json(mechanism, convention),
+        Format::Csv => orders::csv(mechanism, convention),
+        _ => format.prose(&orders::document(mechanism, convention)),
+    }
+}
+
+/// Something found in a robot file, as [`lint`] lists it.
+#[derive(Debug, Clone)]
+pub struct FindingRow {
+    /// The file.
+    pub file: String,
+    /// Line, from 1.
+    pub line: Option<u32>,
+    /// Column, from 1.
+    pub column: Option<u32>,
+    /// `error` or `warning`.
+    pub severity: &'static str,
+    /// The rule's name.
+    pub rule: String,
+    /// What is wrong.
+    pub what: String,
+    /// What to do.
+    pub remedy: String,
+    /// All of it in a line.
+    pub line_of_text: String,
+}
+
+/// What was found in robot files; as text a line each.
+#[must_use]
+pub fn lint(findings: &[FindingRow], format: Format) -> String {
+    match format {
+        Format::Table => lint::text(findings, false),
+        Format::Coloured => lint::text(findings, true),
+        Format::Json => lint::json(findings),
+        Format::Csv => lint::csv(findings),
+        Format::Markdown | Format::Latex => format.prose(&lint::document(findings)),
+    }
 }
 
 /// The list of built-in robots.

@@ -55,6 +55,7 @@ fn table(table: &Table) -> String {
 fn cell(item: &Item) -> String {
     match item {
         Item::Text(text) | Item::Number(text) => markdown(text),
+        Item::Mark(mark, _) => markdown(mark),
         Item::Label(label) => markdown_code(&label.text()),
     }
 }

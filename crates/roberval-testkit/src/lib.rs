@@ -69,6 +69,7 @@ impl Family {
             constants: Vec::new(),
             links,
             couples: Vec::new(),
+            loops: Vec::new(),
             format: self.format,
             warnings: Vec::new(),
         }

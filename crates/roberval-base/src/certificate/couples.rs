@@ -74,6 +74,7 @@ impl<'a> Couples<'a> {
         let zero = Quantity::zero();
         let (terms, offset) = match &closure.laws[variable] {
             VariableLaw::Independent(_) => (vec![json!([link.name, "1"])], &zero),
+            VariableLaw::Implicit => return Ok(Value::Null), // has no exact decision
             VariableLaw::Affine(law) => {
                 let term = |(place, m): &(usize, Quantity)| {
                     let coordinate = &self.joints[closure.independent[*place]].name;

@@ -7,6 +7,7 @@ use super::coefficients::coefficients;
 use super::number::ExactNumber;
 use super::rounded::round_open_entries;
 use super::run::{Run, run};
+use crate::SampleError;
 
 /// Fields asked at most before two must have agreed: a disagreement has a probability
 /// of about 1e-15, so that a second one is a bug.
@@ -57,6 +58,12 @@ pub enum ExactError {
     /// The constraints have no value at a random state.
     #[error(transparent)]
     NoValue(#[from] NoValue),
+    /// Loops without configurations to sample.
+    #[error(transparent)]
+    Samples(#[from] SampleError),
+    /// Loops that are given implicitly.
+    #[error("loops given by their cut joints are not decided exactly: use the engine \"precise\"")]
+    Loops,
     /// Fields disagree again and again.
     #[error("prime fields disagree about the rank ({ranks:?}): please report this robot")]
     Disagreement {
@@ -76,6 +83,9 @@ pub fn decide_exactly(
     order: &[usize],
     seed: u64,
 ) -> Result<ExactDecision, ExactError> {
+    if mechanism.assembly.is_some() {
+        return Err(ExactError::Loops);
+    }
     let angles = AngleOrder::of(mechanism);
     let field = |k: u64| {
         run(
@@ -126,6 +136,9 @@ pub(crate) fn structural_rank(
     model: Model,
     seed: u64,
 ) -> Result<usize, ExactError> {
+    if mechanism.assembly.is_some() {
+        return Err(ExactError::Loops);
+    }
     let angles = AngleOrder::of(mechanism);
     let order: Vec<usize> = (0..mechanism.parameters().len()).collect();
     let rank = |seed: u64| run(mechanism, model, &order, angles, seed, 1).map(|r| r.kept.len());

@@ -21,3 +21,5 @@ pub(crate) use decision::structural_rank;
 pub use decision::{ExactDecision, ExactError, decide_exactly};
 pub(crate) use field::in_some_field;
 pub use number::ExactNumber;
+pub(crate) use rounded::columns_of_w;
+pub use run::{Run, eliminate};

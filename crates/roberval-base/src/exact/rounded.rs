@@ -51,7 +51,10 @@ pub(super) fn round_open_entries(
     while !columns.is_empty() {
         let last = set + 1 == MOST_SETS;
         let rows = (kept.len() + deleted.len()) << (1 + set);
-        let w = columns_of_w(mechanism, model, rows, seed.wrapping_add(set as u64))?;
+        let per_sample = model.rows(mechanism.independent());
+        let count = Integer::div_ceil(&rows, &per_sample) + 1;
+        let samples = Samples::draw(mechanism, count, seed.wrapping_add(set as u64))?;
+        let w = columns_of_w(mechanism, model, &samples)?;
         let mut again = Vec::new();
         for &j in &columns {
             let unknown = open(beta, j);
@@ -75,18 +78,17 @@ pub(super) fn round_open_entries(
     Ok(worst)
 }
 
-/// All columns of W over at least `rows` rows; those of h are differences.
-fn columns_of_w(
+/// All columns of W at these samples in pairs of doubles; those of h are differences to
+/// the first sample's.
+pub(crate) fn columns_of_w(
     mechanism: &Mechanism,
     model: Model,
-    rows: usize,
-    seed: u64,
+    samples: &Samples,
 ) -> Result<Vec<Vec<DoubleDouble>>, ExactError> {
     let precise = PreciseModel::new(mechanism)?;
     let (n, c) = (mechanism.independent(), mechanism.parameters().len());
     let per_sample = model.rows(n);
-    let count = Integer::div_ceil(&rows, &per_sample) + 1;
-    let samples = Samples::draw(mechanism, count, seed);
+    let count = samples.count;
     let mut work = precise.workspace();
     let mut sample = vec![DoubleDouble::ZERO; per_sample * c];
     let mut reference = None;

@@ -13,13 +13,18 @@ const SILENT_SAMPLES: usize = 2;
 /// What one field says. Columns are the robot's; those of `kept` and of `beta`'s rows
 /// and columns are in the order they were asked for.
 #[derive(Debug, Clone)]
-pub(crate) struct Run {
+pub struct Run {
+    /// The prime.
     pub p: u64,
+    /// The seed of all that was random.
     pub seed: u64,
+    /// Samples taken until nothing was new.
     pub samples: usize,
     /// Columns that are zero (constant, for h) at every sample, ascending.
     pub no_effect: Vec<usize>,
+    /// Independent columns.
     pub kept: Vec<usize>,
+    /// The other columns with an effect.
     pub deleted: Vec<usize>,
     /// Residues of beta.
     pub beta: Vec<Vec<u64>>,
@@ -29,8 +34,9 @@ pub(crate) struct Run {
     pub algebraic: bool,
     /// Degree of a row's entries in the random values.
     pub degree: u64,
-    /// Residues of the square roots of 2 and 3 that the angles mean.
+    /// Residue of the square root of 2 that the angles mean.
     pub sqrt2: u64,
+    /// Residue of the square root of 3.
     pub sqrt3: u64,
     /// Whether lengths of the description have square roots.
     pub roots: bool,
@@ -53,7 +59,8 @@ pub(crate) fn run(
     })
 }
 
-fn eliminate<'m>(
+/// Analyses the robot of an exact model: [`Run`] in its field. `random` draws the states.
+pub fn eliminate<'m>(
     mechanism: &Mechanism,
     model: Model,
     order: &[usize],

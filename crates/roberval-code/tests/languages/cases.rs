@@ -25,7 +25,7 @@ pub struct Case {
 
 impl Case {
     fn new(mechanism: &Mechanism, what: What, columns: &[usize], seed: u64) -> Self {
-        let friction = what == What::Tau && seed.is_multiple_of(2);
+        let friction = what == What::Tau && seed.is_multiple_of(2) && mechanism.closure.is_none();
         let request = Request {
             what,
             columns,
@@ -35,7 +35,7 @@ impl Case {
         let mut random = SplitMix64::new(seed);
         let mut draw =
             |count: usize| -> Vec<f64> { (0..count).map(|_| random.uniform(-1.0, 1.0)).collect() };
-        let n = mechanism.dof();
+        let n = mechanism.independent();
         let (q, qd, qdd) = (draw(SAMPLES * n), draw(SAMPLES * n), draw(SAMPLES * n));
         let x = draw(code.parameters.len());
         let mut case = Self {
@@ -55,7 +55,7 @@ impl Case {
 
     /// The library's answer at one sample.
     fn expect(&self, what: What, columns: &[usize], friction: bool, sample: usize) -> Vec<f64> {
-        let n = self.mechanism.dof();
+        let n = self.mechanism.independent();
         let at = sample * n..(sample + 1) * n;
         let (q, qd, qdd) = (&self.q[at.clone()], &self.qd[at.clone()], &self.qdd[at]);
         let zero = vec![0.0; n];
@@ -91,7 +91,7 @@ impl Case {
         for (&column, value) in columns.iter().zip(&self.x) {
             x[column] = *value;
         }
-        let mut tau = vec![0.0; mechanism.dof()];
+        let mut tau = vec![0.0; mechanism.independent()];
         let [q, qd, qdd] = state;
         Regressor::new(mechanism)
             .torques(&x, States { q, qd, qdd }, &mut tau)
@@ -100,7 +100,7 @@ impl Case {
     }
 
     fn rows(&self, model: Model, columns: &[usize], [q, qd, qdd]: [&[f64]; 3]) -> Vec<f64> {
-        let mut rows = vec![0.0; model.rows(self.mechanism.dof()) * columns.len()];
+        let mut rows = vec![0.0; model.rows(self.mechanism.independent()) * columns.len()];
         Regressor::new(&self.mechanism)
             .fill_columns(model, columns, States { q, qd, qdd }, &mut rows)
             .expect("rows");
@@ -113,6 +113,11 @@ impl Case {
         let mut on: Vec<_> = self.mechanism.links.iter().map(stands).collect();
         on.sort_unstable();
         on.windows(2).any(|pair| pair[0] == pair[1])
+    }
+
+    /// Whether joints depend on others.
+    pub fn is_coupled(&self) -> bool {
+        self.mechanism.closure.is_some()
     }
 
     /// Whether a joint is prismatic.

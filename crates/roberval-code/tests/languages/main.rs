@@ -36,13 +36,14 @@ fn check(driver: &Driver) {
 }
 
 #[test]
-fn there_are_twenty_robots_and_more_trees_and_prismatic_joints_among_them() {
+fn there_are_twenty_robots_with_trees_prismatic_joints_and_couples_among_them() {
     let cases = cases();
     let mut robots: Vec<&str> = cases.iter().map(|c| c.code.robot.as_str()).collect();
     robots.dedup();
     assert!(robots.len() >= 20, "{robots:?}");
     assert!(cases.iter().any(Case::branches));
     assert!(cases.iter().any(Case::slides));
+    assert!(cases.iter().any(Case::is_coupled));
 }
 
 #[test]

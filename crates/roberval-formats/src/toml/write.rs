@@ -1,8 +1,8 @@
 use std::fmt::Write;
 
 use roberval_mechanism::{
-    Couple, Geometry, JointKind, LinkDescription, ParameterKind, RobotDescription, SourceFormat,
-    Term,
+    Couple, Geometry, JointKind, LinkDescription, LoopClosure, ParameterKind, RobotDescription,
+    SourceFormat, Term,
 };
 use roberval_scalar::Quantity;
 use toml_edit::{Key, Value};
@@ -36,6 +36,9 @@ pub fn to_toml(robot: &RobotDescription) -> Result<String, FormatError> {
     }
     for description in &robot.couples {
         couple(&mut text, description);
+    }
+    for description in &robot.loops {
+        closure(&mut text, description);
     }
     Ok(text)
 }
@@ -93,6 +96,42 @@ fn link(text: &mut String, link: &LinkDescription, dependent: bool) -> Result<()
     }
     inertia(text, link);
     Ok(())
+}
+
+fn closure(text: &mut String, closure: &LoopClosure) {
+    text.push_str("\n[[loop]]\n");
+    let name = |name: &Option<String>| string(name.as_deref().unwrap_or(BASE));
+    let three = |v: &[Quantity; 3]| format!("[{}]", v.each_ref().map(number).join(", "));
+    let pair = |[a, b]: [String; 2]| format!("[{a}, {b}]");
+    let [a, b] = &closure.between;
+    line(text, "between", &pair([name(a), name(b)]));
+    let zero = Quantity::zero();
+    if closure
+        .frames
+        .iter()
+        .all(|f| f.rpy.iter().all(|x| *x == zero))
+    {
+        let at = closure.frames.each_ref().map(|f| three(&f.xyz));
+        line(text, "at", &pair(at));
+    } else {
+        let frames = closure.frames.each_ref();
+        let frames =
+            frames.map(|f| format!("{{ xyz = {}, rpy = {} }}", three(&f.xyz), three(&f.rpy)));
+        line(text, "frames", &pair(frames));
+    }
+    line(text, "cut", &string(closure.cut.name()));
+    if !closure.near.is_empty() {
+        let near = closure.near.iter();
+        let near: Vec<String> = near
+            .map(|(joint, x)| format!("{} = {}", key(joint), number(x)))
+            .collect();
+        line(text, "near", &format!("{{ {} }}", near.join(", ")));
+    }
+}
+
+/// A key, quoted where TOML wants that.
+fn key(name: &str) -> String {
+    Key::new(name).to_string()
 }
 
 fn inertia(text: &mut String, link: &LinkDescription) {

@@ -8,7 +8,7 @@ use super::inertia::Inertia;
 use super::joint::Joint;
 use super::link::Link;
 use super::tree::Tree;
-use crate::error::{Code, FormatError};
+use crate::error::{Code, FormatError, Position};
 use crate::source::Source;
 use crate::suspects;
 use crate::words::{list, quoted};
@@ -57,19 +57,42 @@ pub(super) fn description(
             inertia,
         ));
     }
-    let down = Quantity::parse_decimal("-9.81").unwrap_or_else(|_| Quantity::zero());
+    let warnings = warnings(links, joints, &described);
     let mut robot = RobotDescription {
+        warnings,
+        couples: couples(links, joints, tree),
+        ..robot(name, described)
+    };
+    robot.warnings.extend(suspects::degrees(&robot));
+    let slips = source.warnings.take().into_iter();
+    let line = |(at, what): (Position, String)| format!("line {}, {what}", at.line);
+    robot.warnings.extend(slips.map(line));
+    Ok(robot)
+}
+
+fn robot(name: String, links: Vec<LinkDescription>) -> RobotDescription {
+    let down = Quantity::parse_decimal("-9.81").unwrap_or_else(|_| Quantity::zero());
+    RobotDescription {
         name,
         gravity: [Quantity::zero(), Quantity::zero(), down],
         constants: Vec::new(),
-        warnings: warnings(links, joints, &described),
-        couples: couples(links, joints, tree),
-        links: described,
+        couples: Vec::new(),
+        loops: Vec::new(),
+        links,
         format: SourceFormat::Urdf,
+        warnings: Vec::new(),
+    }
+}
+
+/// The numbers of joints without the tree they form, to look at one by one.
+pub(crate) fn of_joints<'a>(
+    pairs: impl Iterator<Item = (&'a Link, &'a Joint)>,
+) -> RobotDescription {
+    let link = |(link, joint): (&Link, &Joint)| {
+        let origins = vec![joint.origin.clone()];
+        link_description(link, joint, None, origins, Default::default())
     };
-    robot.warnings.extend(suspects::degrees(&robot));
-    robot.warnings.append(&mut source.warnings.borrow_mut());
-    Ok(robot)
+    robot(String::new(), pairs.map(link).collect())
 }
 
 /// The mimic joints, by the links that joints move.
@@ -195,7 +218,7 @@ fn warnings(links: &[Link], joints: &[Joint], described: &[LinkDescription]) -> 
     warnings
 }
 
-fn is_unit(axis: &[Quantity; 3]) -> bool {
+pub(crate) fn is_unit(axis: &[Quantity; 3]) -> bool {
     /// Decimals such as 0.707107 are rounded directions, not worth a word.
     const ROUNDING: f64 = 1e-5;
     let square: f64 = axis.iter().map(|x| x.value * x.value).sum();

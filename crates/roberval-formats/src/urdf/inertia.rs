@@ -6,7 +6,7 @@ use roberval_scalar::{LiteralError, Quantity};
 
 /// Mass, first moment and inertia tensor of a body about the origin of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Inertia {
+pub(crate) struct Inertia {
     /// M, kg.
     pub mass: f64,
     /// (MX, MY, MZ), kg m.

@@ -7,7 +7,7 @@ use crate::error::{Code, FormatError};
 use crate::words::{nearest, quoted};
 
 /// A `<mimic>`: q = multiplier * q(joint) + offset.
-pub(super) struct Mimic {
+pub(crate) struct Mimic {
     /// Name of the joint that is copied.
     pub joint: String,
     /// Factor, default 1.
@@ -17,7 +17,7 @@ pub(super) struct Mimic {
 }
 
 /// A `<joint>` with its numbers as written.
-pub(super) struct Joint {
+pub(crate) struct Joint {
     pub name: String,
     pub offset: usize,
     pub kind: JointKind,
@@ -50,6 +50,14 @@ impl Joint {
             limits: if limited { limits(element)? } else { None },
             mimic: if moving { mimic(element)? } else { None },
         })
+    }
+}
+
+impl Joint {
+    /// The joint that this one copies, and the multiplier.
+    pub fn copies(&self) -> Option<(&str, f64)> {
+        let mimic = self.mimic.as_ref()?;
+        Some((&mimic.joint, mimic.multiplier.value))
     }
 }
 

@@ -7,7 +7,7 @@ use super::{Named, inertia::Inertia};
 use crate::error::FormatError;
 
 /// A `<link>`: its name and inertia.
-pub(super) struct Link {
+pub(crate) struct Link {
     pub name: String,
     pub offset: usize,
     /// About the origin of the link's frame and in that frame.

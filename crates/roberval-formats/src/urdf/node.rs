@@ -10,7 +10,7 @@ use crate::words::quoted;
 
 /// An XML element with its name in messages.
 #[derive(Clone, Copy)]
-pub(super) struct Element<'s, 'd> {
+pub(crate) struct Element<'s, 'd> {
     pub source: &'s Source<'s>,
     pub node: Node<'d, 'd>,
     pub place: &'s str,
@@ -52,6 +52,12 @@ impl<'s, 'd> Element<'s, 'd> {
         }
     }
 
+    /// Where an attribute begins (the element, where it has no such attribute).
+    pub fn attribute_offset(&self, key: &str) -> usize {
+        let at = self.node.attribute_node(key).map(|a| a.range().start);
+        at.unwrap_or_else(|| self.offset())
+    }
+
     /// The first child element with this tag, as ROS reads it; others are warned of.
     pub fn first_child(&self, tag: &str) -> Option<Self> {
         let mut found = self.children(tag);
@@ -72,9 +78,8 @@ impl<'s, 'd> Element<'s, 'd> {
 
     /// An error at an attribute (at the element where it has no such attribute).
     pub fn attribute_fault(&self, key: &str, code: Code, what: impl Into<String>) -> FormatError {
-        let at = self.node.attribute_node(key).map(|a| a.range().start);
         self.source
-            .error(code, at.unwrap_or_else(|| self.offset()), what)
+            .error(code, self.attribute_offset(key), what)
             .place(self.place)
     }
 

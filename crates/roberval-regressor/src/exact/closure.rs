@@ -82,8 +82,12 @@ impl<'m> ExactClosure<'m> {
         mechanism: &Mechanism,
         numbers: &mut FieldNumbers<'m, '_>,
     ) -> Result<Option<Self>, NotInField> {
-        let Some(closure) = &mechanism.closure else {
-            return Ok(None);
+        let Some(closure) = mechanism
+            .closure
+            .as_ref()
+            .filter(|_| mechanism.assembly.is_none())
+        else {
+            return Ok(None); // loops are opened
         };
         let powers = Powers::of(mechanism, closure);
         let coupled = coupled(mechanism);
@@ -99,6 +103,7 @@ impl<'m> ExactClosure<'m> {
         for (variable, (law, kind)) in closure.laws.iter().zip(kinds).enumerate() {
             let (row, offset) = match law {
                 VariableLaw::Independent(place) => (vec![(*place, one)], None),
+                VariableLaw::Implicit => return Ok(None),
                 VariableLaw::Affine(law) => {
                     let terms = law.terms.iter();
                     let row = terms.map(|(place, m)| Ok((*place, numbers.value(m)?)));

@@ -2,15 +2,15 @@
 //! are written here once.
 
 use roberval_mechanism::{
-    Geometry, JointKind, LinkDescription, MdhGeometry, Mechanism, Origin, ParameterSpace,
+    Geometry, JointKind, LinkDescription, MdhGeometry, Mechanism, Origin, ParameterSpace, Pose,
 };
 use roberval_scalar::{Quantity, Scalar};
 
 use super::closure::coupled;
 use crate::vector::{Mat3, Vec3, add, apply, dot, product, scale};
 use crate::{
-    Body, Constants, DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion, Model, Projected,
-    Transmission, Tree, dynamics, energy,
+    Body, Constants, DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion, JointStates,
+    Model, Projected, Transmission, Tree, dynamics, energy,
 };
 
 /// Cosine and sine.
@@ -61,6 +61,17 @@ pub(crate) fn tree<N: Numbers>(
         constants,
         dof,
     })
+}
+
+/// The placement of a frame written like a URDF origin.
+pub(crate) fn pose<N: Numbers>(
+    origin: &Origin,
+    numbers: &mut N,
+) -> Result<Pose<N::Number>, N::Error> {
+    let constants = numbers.constants();
+    let mut build = Builder { numbers, constants };
+    let (rotation, origin) = build.chain(std::slice::from_ref(origin))?;
+    Ok(Pose { rotation, origin })
 }
 
 /// Rotation to the antecedent's frame and origin in it.
@@ -169,6 +180,8 @@ impl<N: Numbers> Builder<'_, N> {
 /// Working memory for the rows of a tree.
 #[derive(Debug, Clone)]
 pub struct RowsWorkspace<T> {
+    /// The joints of a mechanism with constraints, where they were last.
+    pub(super) joints: Option<JointStates<T>>,
     motion: Vec<JointMotion<T>>,
     dynamics: DynamicsWorkspace<T>,
     energy: EnergyWorkspace<T>,
@@ -177,6 +190,7 @@ pub struct RowsWorkspace<T> {
 impl<T: Scalar> RowsWorkspace<T> {
     pub(crate) fn new(tree: &Tree<T>) -> Self {
         Self {
+            joints: None,
             motion: Vec::with_capacity(tree.bodies.len()),
             dynamics: DynamicsWorkspace::new(tree),
             energy: EnergyWorkspace::new(tree),

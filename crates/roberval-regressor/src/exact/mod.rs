@@ -10,12 +10,14 @@ mod closure;
 mod geometry;
 mod lengths;
 mod model;
+mod named;
 mod precise;
 mod units;
 
 pub use angles::AngleOrder;
 pub use closure::{CouplePowers, coupled};
 pub use geometry::RowsWorkspace;
-pub use model::{ExactModel, ExactWorkspace, NotInField};
+pub use model::{ExactModel, ExactWorkspace, NotInField, Turn};
+pub use named::whole_multiple;
 pub use precise::PreciseModel;
 pub use units::{AngleParts, AngleUnit, AngleUnits};

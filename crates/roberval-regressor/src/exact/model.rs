@@ -3,10 +3,11 @@ use std::cell::Cell;
 use roberval_mechanism::{JointKind, Mechanism, ParameterSpace};
 use roberval_scalar::{Fp, LinearInPi, Modulus, Quantity, SplitMix64};
 
-use super::angles::{AngleOrder, Angles};
+use super::angles::{AngleOrder, Angles, compose, power};
 use super::closure::ExactClosure;
 use super::geometry::{Numbers, Rotation, RowsWorkspace, tree};
 use super::lengths::Lengths;
+use super::named::times;
 use crate::{Body, Constants, JointMotion, Model, Tree};
 
 /// A number of the description has no place in this field: try another prime.
@@ -21,6 +22,15 @@ pub enum NotInField {
     /// A denominator of the description is zero in the field.
     #[error("a denominator of the description is zero in this prime field")]
     Inverse,
+}
+
+/// A constant's rotation in a prime field.
+#[derive(Debug, Clone)]
+pub struct Turn<'m> {
+    /// The constant's name.
+    pub name: String,
+    /// Cosine and sine.
+    pub rotation: (Fp<'m>, Fp<'m>),
 }
 
 /// A robot in a prime field: gives regressor rows at random states.
@@ -52,6 +62,24 @@ impl<'m> ExactModel<'m> {
         conjugate: u64,
         seed: u64,
     ) -> Result<Self, NotInField> {
+        Self::with_turns(mechanism, modulus, order, conjugate, seed, &[])
+    }
+
+    /// The same with named angles turned further: an angle of the description in whose
+    /// expression one of these constants stands k times (once in `A`, -2 times in
+    /// `pi/2 - 2*A`) is turned k times by the constant's rotation. A symbol for an angle
+    /// is a constant of value 0 with a random rotation.
+    ///
+    /// # Errors
+    /// As [`ExactModel::new`].
+    pub fn with_turns(
+        mechanism: &Mechanism,
+        modulus: &'m Modulus,
+        order: AngleOrder,
+        conjugate: u64,
+        seed: u64,
+        turns: &[Turn<'m>],
+    ) -> Result<Self, NotInField> {
         let description = &mechanism.description;
         let mut random = SplitMix64::new(seed);
         let pi = modulus.random(&mut random);
@@ -65,6 +93,7 @@ impl<'m> ExactModel<'m> {
             },
             half: modulus.integer(2).inverse().ok_or(NotInField::Inverse)?,
             lengths_of_axes: Vec::new(),
+            turns,
         };
         let tree = tree(mechanism, &mut numbers)?;
         let closure = ExactClosure::of(mechanism, &mut numbers)?;
@@ -252,6 +281,7 @@ pub type ExactWorkspace<'m> = RowsWorkspace<Fp<'m>>;
 
 /// Literals as numbers of the field.
 pub(super) struct FieldNumbers<'m, 'd> {
+    turns: &'d [Turn<'m>],
     angles: Angles<'m, 'd>,
     lengths: Lengths<'m, 'd>,
     half: Fp<'m>,
@@ -272,7 +302,13 @@ impl<'m> Numbers for FieldNumbers<'m, '_> {
     }
 
     fn rotation(&mut self, angle: &Quantity) -> Result<Rotation<Fp<'m>>, NotInField> {
-        Ok(self.angles.rotation(angle))
+        let mut rotation = self.angles.rotation(angle);
+        for turn in self.turns {
+            let times = times(&angle.expr, self.lengths.constants, &turn.name);
+            let (cos, sin) = power(turn.rotation, times.unsigned_abs());
+            rotation = compose(rotation, (cos, if times < 0 { -sin } else { sin }));
+        }
+        Ok(rotation)
     }
 
     fn value(&mut self, quantity: &Quantity) -> Result<Fp<'m>, NotInField> {

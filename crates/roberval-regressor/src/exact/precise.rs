@@ -1,10 +1,11 @@
 //! The recursion in pairs of doubles: the robot as written, to about 100 bits.
 
-use roberval_mechanism::{JointKind, Mechanism, ParameterSpace};
+use roberval_mechanism::{JointKind, Mechanism, Origin, ParameterSpace};
 use roberval_scalar::{DoubleDouble, Quantity, Real};
 
 use super::NotInField;
-use super::geometry::{Numbers, Rotation, RowsWorkspace, tree};
+use super::geometry::{Numbers, Rotation, RowsWorkspace, pose, tree};
+use crate::loops::{LoopExpansion, precise_linkage};
 use crate::{Body, Constants, Expansion, JointMotion, Model, NoValue, Tree};
 
 /// A robot in double-double arithmetic: gives regressor rows at states near those asked
@@ -25,9 +26,20 @@ impl PreciseModel {
         let mut numbers = Pairs {
             constants: &mechanism.description.constants,
         };
+        let mut tree = tree(mechanism, &mut numbers)?;
+        let expansion = match &mechanism.assembly {
+            None => Expansion::of(mechanism).map_err(|_| NotInField::Inverse)?,
+            Some(assembly) => {
+                tree.bodies.iter_mut().for_each(normalise);
+                let place = |origin: &Origin| pose(origin, &mut numbers);
+                let linkage = precise_linkage(mechanism, assembly, &tree, place)?;
+                let loops = LoopExpansion::new(assembly.clone(), linkage);
+                Some(Expansion::of_loops(loops))
+            }
+        };
         Ok(Self {
-            tree: tree(mechanism, &mut numbers)?,
-            expansion: Expansion::of(mechanism).map_err(|_| NotInField::Inverse)?,
+            tree,
+            expansion,
             space: mechanism.parameters(),
         })
     }
@@ -41,7 +53,9 @@ impl PreciseModel {
     /// Working memory for [`PreciseModel::fill`].
     #[must_use]
     pub fn workspace(&self) -> RowsWorkspace<DoubleDouble> {
-        RowsWorkspace::new(&self.tree)
+        let mut work = RowsWorkspace::new(&self.tree);
+        work.joints = self.expansion.as_ref().map(Expansion::states);
+        work
     }
 
     /// Fills `rows` (rows of a sample x C, row-major) at the state `q`, `qd`, `qdd` of the
@@ -70,7 +84,8 @@ impl PreciseModel {
                 qd.to_vec()
             };
             let state = [exact(q), exact(&velocities), exact(qdd)];
-            let mut all = expansion.states();
+            let last = work.joints.take();
+            let mut all = last.unwrap_or_else(|| expansion.states());
             expansion.expand(state.each_ref().map(|x| &x[..]), &mut all)?;
             let motion = |body: &Body<DoubleDouble>| match body.variable {
                 None => still(),
@@ -78,6 +93,7 @@ impl PreciseModel {
             };
             let transmission = Some(&all.transmission);
             work.fill(&self.tree, &self.space, model, motion, transmission, rows);
+            work.joints = Some(all);
             return Ok(());
         }
         let motion = |body: &Body<DoubleDouble>| match body.variable {
@@ -86,6 +102,15 @@ impl PreciseModel {
         };
         work.fill(&self.tree, &self.space, model, motion, None, rows);
         Ok(())
+    }
+}
+
+/// The joints of loops move in units of their axes, whose lengths must then be 1.
+fn normalise(body: &mut Body<DoubleDouble>) {
+    let length = body.axis_squared.sqrt();
+    if length.to_f64() > 0.0 {
+        body.axis = body.axis.map(|x| x / length);
+        body.axis_squared = DoubleDouble::ONE;
     }
 }
 

@@ -3,7 +3,7 @@ use roberval_mechanism::ParameterKind;
 
 use super::{Class, rounded_values};
 use crate::couples;
-use crate::document::{Block, Column, Document, Item, Table};
+use crate::document::{Block, Column, Document, Item, Table, Tint};
 use crate::number::{scientific, shortest, size};
 use crate::relation::{self, Label};
 use crate::robot;
@@ -162,7 +162,9 @@ fn spectrum(answer: &BaseParameters) -> Document {
 
 fn spectrum_heading(engine: Engine) -> &'static str {
     match engine {
-        Engine::Qrii | Engine::Exact => "Diagonal |T_ii| of QR with column pivoting",
+        Engine::Qrii | Engine::Exact | Engine::Precise => {
+            "Diagonal |T_ii| of QR with column pivoting"
+        }
         Engine::Svd => "Singular values sigma_i",
         Engine::Qr => "Diagonal of QR: what the kept columns before it leave of each column",
     }
@@ -206,7 +208,11 @@ fn classification(answer: &BaseParameters) -> Document {
         let count = if link.rotor { 11 } else { 10 };
         let classes = &classes[first..first + count];
         let mut row = vec![Item::text(&link.name)];
-        row.extend((0..11).map(|k| Item::text(classes.get(k).map_or("", |c| c.mark()))));
+        row.extend((0..11).map(|k| {
+            classes
+                .get(k)
+                .map_or(Item::text(""), |c| Item::Mark(c.mark(), tint(*c)))
+        }));
         row.push(Item::Number(
             classes.iter().filter(|c| kept(c)).count().to_string(),
         ));
@@ -223,6 +229,15 @@ fn classification(answer: &BaseParameters) -> Document {
             folded: false,
         }),
     ]
+}
+
+fn tint(class: Class) -> Tint {
+    match class {
+        Class::NoEffect => Tint::Faint,
+        Class::Unchanged => Tint::Keep,
+        Class::RegroupedInto => Tint::Into,
+        Class::Regrouped => Tint::Away,
+    }
 }
 
 /// Table V: the relations and what stays out of them.

@@ -70,7 +70,7 @@ fn relation(exact: &Coefficients<'_>, sum: &Sum) -> String {
 }
 
 fn math(content: &str) -> String {
-    format!("<math><mrow>{content}</mrow></math>")
+    format!("<math>{content}</math>")
 }
 
 /// ZZR with the link's name below.
@@ -91,7 +91,7 @@ fn label(label: &Label) -> String {
 /// A factor: a decimal where it is short, else the exact fraction or root where known.
 fn coefficient(exact: Option<&ExactNumber>, x: f64) -> String {
     /// Decimals of more characters are fractions or roots, most likely.
-    const SHORT: usize = 7;
+    const SHORT: usize = 9;
     let decimal = shortest(x);
     if decimal.len() <= SHORT {
         return format!("<mn>{decimal}</mn>");
