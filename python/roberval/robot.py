@@ -48,7 +48,7 @@ class Link(NamedTuple):
 
 
 class Couple(NamedTuple):
-    """A joint that follows from others: q(joint) = sum of multiplier * q + offset.
+    """A joint that follows from others: by a sum of multiples, or by an expression.
 
     Attributes
     ----------
@@ -58,11 +58,14 @@ class Couple(NamedTuple):
         The joints it follows, with their multipliers as written.
     offset : str
         Its position where those stand at 0, as written.
+    expression : str or None
+        In place of these, an expression of the joints it follows.
     """
 
     joint: str
     equals: dict[str, str]
     offset: str
+    expression: str | None = None
 
 
 class Robot(Rendered):
@@ -269,7 +272,7 @@ class Robot(Rendered):
     def couples(self) -> tuple[Couple, ...]:
         """The joints that follow from others (couples of a robot TOML, mimic of a URDF)."""
         rows = self._inner.couples
-        return tuple(Couple(joint, dict(terms), offset) for joint, terms, offset in rows)
+        return tuple(Couple(joint, dict(terms), *rest) for joint, terms, *rest in rows)
 
     @property
     def parameters(self) -> tuple[str, ...]:

@@ -71,7 +71,7 @@ pub(crate) fn literal(
 
 fn rank_of(description: &RobotDescription, model: Model, seed: u64) -> Result<usize, BaseError> {
     let mechanism = Mechanism::new(description)?;
-    if mechanism.assembly.is_none() {
+    if mechanism.is_affine() {
         return Ok(structural_rank(&mechanism, model, seed)?);
     }
     let order: Vec<usize> = (0..mechanism.parameters().len()).collect();

@@ -60,9 +60,7 @@ pub fn base_parameters_at(
     samples: &Samples,
 ) -> Result<BaseParameters, BaseError> {
     match options.engine {
-        Engine::Exact if mechanism.assembly.is_none() => {
-            by_elimination(mechanism, options, samples)
-        }
+        Engine::Exact if mechanism.is_affine() => by_elimination(mechanism, options, samples),
         Engine::Exact | Engine::Precise => by_precision(mechanism, options, samples),
         Engine::Qr | Engine::Qrii | Engine::Svd => by_factorisation(mechanism, options, samples),
     }

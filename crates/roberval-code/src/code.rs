@@ -61,7 +61,7 @@ impl Code {
         if request.friction && what != What::Tau {
             return Err(CodeError::Friction(what));
         }
-        if mechanism.assembly.is_some() {
+        if !mechanism.is_affine() {
             return Err(CodeError::Loops);
         }
         let program = record(mechanism, what, request.columns, request.friction);

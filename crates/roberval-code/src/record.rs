@@ -357,7 +357,7 @@ fn laws(mechanism: &Mechanism) -> Vec<(Vec<(usize, f64)>, f64)> {
     };
     let law = |law: &VariableLaw| match law {
         VariableLaw::Independent(place) => (vec![(*place, 1.0)], 0.0),
-        VariableLaw::Implicit => (Vec::new(), 0.0), // refused before
+        VariableLaw::Implicit | VariableLaw::Formula(_) => (Vec::new(), 0.0), // refused before
         VariableLaw::Affine(law) => {
             let terms = law.terms.iter().map(|(place, g)| (*place, g.value));
             (terms.collect(), law.offset.value)

@@ -211,6 +211,14 @@ impl Mechanism {
         self.closure.as_ref().map_or_else(|| self.dof(), all)
     }
 
+    /// Whether all constraints, if there are any, are sums of multiples: those that prime
+    /// fields hold.
+    #[must_use]
+    pub fn is_affine(&self) -> bool {
+        let no_formula = |closure: &Closure| closure.formulas.is_empty();
+        self.assembly.is_none() && self.closure.as_ref().is_none_or(no_formula)
+    }
+
     /// The links whose joints are independent, in the order of the states and torques.
     #[must_use]
     pub fn independent_joints(&self) -> Vec<&Link> {

@@ -28,7 +28,7 @@ pub struct Robot {
 }
 
 /// Name, joint name, antecedent, kind, active, rotor of a link.
-type CoupleRow = (String, Vec<(String, String)>, String);
+type CoupleRow = (String, Vec<(String, String)>, String, Option<String>);
 
 type LinkRow = (
     String,
@@ -173,6 +173,7 @@ impl Robot {
                 label(&couple.joint),
                 terms.collect(),
                 couple.offset.text.clone(),
+                couple.expression.as_ref().map(|e| e.text.clone()),
             )
         };
         description.couples.iter().map(row).collect()

@@ -14,6 +14,7 @@ mod dynamics;
 mod energy;
 mod exact;
 mod expansion;
+mod formulas;
 mod loops;
 mod motion;
 mod newton_euler;

@@ -78,14 +78,13 @@ fn law(robot: &Mechanism) -> Vec<(Vec<f64>, f64)> {
                 row[*place] = 1.0;
                 (row, 0.0)
             }
-            VariableLaw::Implicit => panic!("no loops here"),
+            VariableLaw::Implicit | VariableLaw::Formula(_) => panic!("sums only"),
             VariableLaw::Affine(law) => {
                 for (place, multiplier) in &law.terms {
                     row[*place] = multiplier.value;
                 }
                 (row, law.offset.value)
             }
-            VariableLaw::Implicit => panic!("couples have laws"),
         }
     };
     laws.map(row).collect()

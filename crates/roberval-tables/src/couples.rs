@@ -62,6 +62,9 @@ fn equation(mechanism: &Mechanism, couple: &Couple) -> String {
         let link = mechanism.links.iter().find(|link| link.name == name);
         format!("q({})", link.map_or(name, Link::label))
     };
+    if let Some(expression) = &couple.expression {
+        return format!("{} = {}", name(&couple.joint), expression.text);
+    }
     let mut sum = String::new();
     for term in &couple.terms {
         let joint = name(&term.joint);
