@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 import roberval as rv
-from wheels import robot_file
-
 from browser import Page, page
+from wheels import robot_file
 
 HOSTILE = "</title></style><script>alert(1)</script><img src=x onerror=alert(2)>\"'&\u202e"
 """A robot, link and joint name that would be markup or code if it were not escaped."""
@@ -45,9 +44,7 @@ def test_the_page_opens_without_a_complaint_and_fits_the_screen(
     assert (max(lightness) < 128) == dark
 
 
-def test_every_figure_is_drawn(
-    browser: Page, puma_page: Path, base: rv.BaseParameters
-) -> None:
+def test_every_figure_is_drawn(browser: Page, puma_page: Path, base: rv.BaseParameters) -> None:
     browser.look(1200)
     browser.open(puma_page)
     # What has no size is not seen.
@@ -115,10 +112,10 @@ def test_hostile_names_are_text(browser: Page, tmp_path: Path) -> None:
     assert browser.run("document.querySelector('h1').textContent") == shown
 
 
+@pytest.mark.filterwarnings("ignore::roberval.RobotWarning")
 @pytest.mark.parametrize("file", ["erd/romeo_description/urdf/romeo.urdf"])
 def test_the_report_of_a_humanoid_is_small(browser: Page, file: str, tmp_path: Path) -> None:
-    with pytest.warns(rv.RobotWarning):
-        robot = rv.load(robot_file(file))
+    robot = rv.load(robot_file(file))
     path = robot.base_parameters().report(tmp_path / "humanoid.html")
     assert path.stat().st_size < MOST_BYTES
     browser.look(PHONE, phone=True)

@@ -9,6 +9,7 @@
 
 from ._core import __version__
 from .base import BaseParameters, Comparison, Relations, Route
+from .code import Code, Compiled, Count
 from .conventions import Convention, ParameterOrder, convention
 from .diagnosis import Blame, Diagnosis, Literal, Structure, Witness
 from .errors import (
@@ -26,10 +27,11 @@ from .errors import (
 )
 from .exact import Exact, Surd
 from .linting import Finding, lint
-from .loading import CatalogueEntry, catalogue, load
+from .loading import CatalogueEntry, Cleaned, catalogue, clean_file, load
 from .options import Choice, Engine, Model, Number, Snap
 from .robot import Couple, Link, Robot
 from .scaling import Grade, Scaling
+from .symbolic import SymbolicRelations
 
 __all__ = [
     "ArrayError",
@@ -37,8 +39,12 @@ __all__ = [
     "Blame",
     "CatalogueEntry",
     "Choice",
+    "Cleaned",
+    "Code",
     "Comparison",
+    "Compiled",
     "Convention",
+    "Count",
     "Couple",
     "Diagnosis",
     "DoubtfulRankWarning",
@@ -66,10 +72,12 @@ __all__ = [
     "Snap",
     "Structure",
     "Surd",
+    "SymbolicRelations",
     "UnknownParameterError",
     "Witness",
     "__version__",
     "catalogue",
+    "clean_file",
     "convention",
     "lint",
     "load",

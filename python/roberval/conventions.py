@@ -103,9 +103,7 @@ class Convention:
         ]
         for index, row in enumerate(rows):
             if row is None:
-                what = (
-                    "a quaternion of length 0" if to_paper else "a first moment without mass"
-                )
+                what = "a quaternion of length 0" if to_paper else "a first moment without mass"
                 raise ArrayError(f"body {index} has {what}: there is no such form of it")
         return np.array(rows, dtype=float).reshape(*array.shape[:-1], out)
 

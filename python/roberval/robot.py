@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple, SupportsIndex
+from typing import TYPE_CHECKING, Any, NamedTuple, SupportsIndex
 
 import numpy as np
 import numpy.typing as npt
@@ -16,8 +16,12 @@ from .base import BaseParameters, Comparison, analyse
 from .conventions import Order, ParameterOrder
 from .errors import OptionError, RobervalError, RobotWarning, ShapeError
 from .options import Choice, Engine, Model, Number, Reading, Snap, options, reading
+from .plots import RobotPlots
 from .rendering import Rendered
 from .scaling import Scaling, scaling_options
+
+if TYPE_CHECKING:
+    from .importers import Text
 
 
 class Link(NamedTuple):
@@ -32,7 +36,8 @@ class Link(NamedTuple):
     antecedent : str or None
         Name of the link that carries this one; None is the base.
     joint : str
-        ``"revolute"``, ``"prismatic"`` or ``"fixed"``.
+        ``"revolute"``, ``"prismatic"``, ``"fixed"``, or ``"floating"`` for a base that stands
+        on nothing.
     active : bool
         Whether the joint is driven.
     rotor : bool
@@ -184,6 +189,7 @@ class Robot(Rendered):
         text_or_path: str | os.PathLike[str],
         *,
         keep_fixed: bool = False,
+        floating: bool = False,
         rotors: bool = True,
         snap: Snap = "default",
         gravity: Sequence[Number] | None = None,
@@ -200,7 +206,7 @@ class Robot(Rendered):
         keep_fixed : bool
             Keep links on fixed joints as links of their own; by default they are lumped
             into their parents.
-        rotors, snap, gravity
+        floating, rotors, snap, gravity
             As in `load`.
 
         Raises
@@ -208,11 +214,130 @@ class Robot(Rendered):
         RobotError
             The file or text is not valid; the message names the line and what would be right.
         """
-        asked = reading(keep_fixed=keep_fixed, rotors=rotors, snap=snap, gravity=gravity)
+        asked = reading(
+            keep_fixed=keep_fixed, floating=floating, rotors=rotors, snap=snap, gravity=gravity
+        )
         text = os.fspath(text_or_path)
         if text.lstrip("\ufeff \t\r\n").startswith("<"):
             return cls._of(_core.Robot.from_urdf(text, "robot.urdf", asked), asked)
         return cls._of(_core.Robot.load(text, asked), asked)
+
+    @classmethod
+    def from_mujoco(
+        cls,
+        model: Any,
+        *,
+        rotors: bool = True,
+        snap: Snap = "default",
+        gravity: Sequence[Number] | None = None,
+    ) -> Robot:
+        """Read a MuJoCo model (needs the package mujoco).
+
+        The frame of a link lies at its joint, in the axes of its body. A body with several
+        joints becomes several links, the first ones without mass; ball joints become three
+        hinges; a free joint makes a base that floats if all others are on it. Equality constraints of two joints become couples; what is not applied is
+        warned of. Joint variables are 0 where the model has ``qpos0``.
+
+        Parameters
+        ----------
+        model : mujoco.MjModel, mujoco.MjSpec, str or path
+            The model, MJCF text (anything that begins with ``<``), or the path of a file.
+        rotors, snap, gravity
+            As in `load`.
+
+        Raises
+        ------
+        MissingPackageError
+            mujoco is not installed.
+        RobotError
+            The model cannot be read.
+        """
+        from .importers import mujoco
+
+        return cls._imported(
+            mujoco.from_any(model), reading(rotors=rotors, snap=snap, gravity=gravity)
+        )
+
+    @classmethod
+    def from_pinocchio(
+        cls,
+        model: Any,
+        *,
+        rotors: bool = True,
+        snap: Snap = "default",
+        gravity: Sequence[Number] | None = None,
+    ) -> Robot:
+        """Read a Pinocchio model (needs the package pin).
+
+        Links have the frames of the joints, and the names of the bodies there.
+
+        Parameters
+        ----------
+        model : pinocchio.Model
+        rotors, snap, gravity
+            As in `load`.
+
+        Raises
+        ------
+        MissingPackageError
+            Pinocchio is not installed.
+        RobotError
+            A joint has a type that is not supported.
+        """
+        from .importers import pinocchio
+
+        return cls._imported(
+            pinocchio.from_model(model), reading(rotors=rotors, snap=snap, gravity=gravity)
+        )
+
+    @classmethod
+    def _imported(cls, read: Text, asked: Reading) -> Robot:
+        make = _core.Robot.from_urdf if read.kind == "urdf" else _core.Robot.from_toml
+        robot = cls._quietly(make(read.text, "imported model", asked), asked)
+        for warning in (*read.warnings, *robot.warnings):
+            warnings.warn(f"{robot.name}: {warning}", RobotWarning, stacklevel=3)
+        return robot
+
+    def order(self, name: Order) -> ParameterOrder:
+        """Map standard parameters to another convention and back.
+
+        Parameters
+        ----------
+        name : {"paper", "pinocchio", "urdf", "mujoco"}
+            See `Convention`.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import roberval as rv
+        >>> ur5 = rv.load("ur5")
+        >>> X = np.arange(66.0)
+        >>> there, armature = ur5.order("pinocchio").from_paper(X)
+        >>> there[0].tolist()  # m mx my mz Ixx Ixy Iyy Ixz Iyz Izz of the first link
+        [9.0, 6.0, 7.0, 8.0, 0.0, 1.0, 3.0, 2.0, 4.0, 5.0]
+        >>> bool((ur5.order("pinocchio").to_paper(there, armature) == X).all())
+        True
+        """
+        return ParameterOrder(self, name)
+
+    def to_urdf(self) -> str:
+        """Return the robot as the text of a URDF: the same links, frames and known inertias.
+
+        Rotor inertias and gravity, which URDF does not have, are comments.
+
+        Raises
+        ------
+        RobotError
+            A joint follows from several others, which URDF cannot say.
+
+        Examples
+        --------
+        >>> import roberval as rv
+        >>> puma = rv.load("puma560")
+        >>> rv.Robot.from_urdf(puma.to_urdf()).base_parameters().base == puma.base_parameters().base
+        True
+        """
+        return self._inner.to_urdf()
 
     def to_toml(self, *, cleaned: bool = False) -> str:
         """Return the robot as robot TOML.
@@ -249,30 +374,77 @@ class Robot(Rendered):
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """Names of the n moving joints, in link order; of their links where they have none."""
-        moving = (link for link in self._links if link.joint != "fixed")
-        return tuple(link.joint_name or link.name for link in moving)
+        """Names of the independent joints in the order of q; of their links if they have none."""
+        return self.velocities[6 if self.is_floating else 0 :]
+
+    @property
+    def is_floating(self) -> bool:
+        """Whether the first link is a base that moves freely."""
+        return self.nq > self.n
+
+    @property
+    def axes(self) -> Array:
+        """The joints' unit axes in the links' frames, shape (links, 3)."""
+        return np.array([axis for _, _, axis in self._inner.placements])
+
+    def frames(self) -> Array:
+        """Return the links' frames in the base frame at joint variables 0.
+
+        Returns
+        -------
+        ndarray, shape (links, 4, 4)
+            Homogeneous transformations: columns are the axes x, y, z and the origin (m).
+        """
+        frames = np.zeros((len(self._links), 4, 4))
+        index = {link.name: j for j, link in enumerate(self._links)}
+        for j, (rotation, origin, _) in enumerate(self._inner.placements):
+            on = np.eye(4)
+            on[:3, :3], on[:3, 3] = rotation, origin
+            above = self._links[j].antecedent
+            frames[j] = on if above is None else frames[index[above]] @ on
+        return frames
+
+    @property
+    def plot(self) -> RobotPlots:
+        """Plots with matplotlib: ``robot.plot.tree()``."""
+        return RobotPlots(self)
 
     @property
     def n(self) -> int:
-        """Number of moving joints."""
+        """Degrees of freedom: length of qd and qdd, number of rows of d."""
         return self._inner.dof
 
     @property
-    def m(self) -> int:
-        """Number of independent joints: n without couples."""
-        return self._inner.independent
-
-    @property
-    def independent(self) -> tuple[str, ...]:
-        """Names of the m joints that move by themselves, in the order of q, qd, qdd and tau."""
-        return tuple(self._inner.independent_joints)
+    def moving(self) -> tuple[str, ...]:
+        """Names of all moving joints, in link order: those that follow others among them."""
+        moving = (link for link in self._links if link.joint in ("revolute", "prismatic"))
+        return tuple(link.joint_name or link.name for link in moving)
 
     @property
     def couples(self) -> tuple[Couple, ...]:
         """The joints that follow from others (couples of a robot TOML, mimic of a URDF)."""
         rows = self._inner.couples
-        return tuple(Couple(joint, dict(terms), *rest) for joint, terms, *rest in rows)
+        return tuple(Couple(joint, dict(terms), offset, text) for joint, terms, offset, text in rows)
+
+    @property
+    def nq(self) -> int:
+        """Length of q: n, or n + 1 for a floating robot, whose attitude is a quaternion."""
+        return self._inner.positions
+
+    @property
+    def positions(self) -> tuple[str, ...]:
+        """Names of the entries of q: joints; ``L.x L.y L.z L.qx L.qy L.qz L.qw`` if L floats."""
+        return tuple(self._inner.coordinates[0])
+
+    @property
+    def velocities(self) -> tuple[str, ...]:
+        """Names of the entries of qd and qdd: joints; ``L.vx`` to ``L.wz`` if a link L floats."""
+        return tuple(self._inner.coordinates[1])
+
+    @property
+    def rows(self) -> tuple[str, ...]:
+        """Names of the rows of d: joints; force and moment ``L.fx`` to ``L.mz`` if a link L floats."""
+        return tuple(self._inner.coordinates[2])
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -329,12 +501,15 @@ class Robot(Rendered):
 
         Parameters
         ----------
-        q : array_like, shape (m,) or (N, m)
-            Positions of the independent joints, rad or m, in the order of `independent`:
-            all n joints, unless couples make some follow from others.
-        qd, qdd : array_like, shape of `q`
+        q : array_like, shape (nq,) or (N, nq)
+            Positions, rad or m, in the order of `positions`: those of the joints. A floating
+            robot's q begins as Pinocchio's: place of the base (x, y, z), then its attitude, a
+            quaternion (x, y, z, w) of length 1.
+        qd, qdd : array_like, shape (n,) or (N, n)
             Velocities (per s) and accelerations (per s^2). Model h needs no `qdd`, model d0
-            no `qd`.
+            no `qd`. Those of a floating robot begin with the velocity v of the base's origin
+            and its angular velocity w, in the base's frame, and with their rates; the origin's
+            own acceleration is ``dv + w x v``.
         model : {"d", "d0", "h"}
             d: joint torques, ``tau = d @ X`` (Gautier 1991, eq. (5)); d0: the same at rest
             (eq. (8)); h: energy, of which only differences mean anything (eq. (10)).
@@ -343,9 +518,10 @@ class Robot(Rendered):
 
         Returns
         -------
-        ndarray, shape (N, m, C)
+        ndarray, shape (N, n, C)
             For h (N, C); for one state without the N. ``W.reshape(-1, C)`` is the
-            observation matrix.
+            observation matrix. The first six rows of a floating robot are the force and the
+            moment on its base, in the base's frame.
 
         Raises
         ------
@@ -377,7 +553,7 @@ class Robot(Rendered):
         """Evaluate the regressor, or some of its columns."""
         states = self._states(model, q, qd, qdd)
         width = len(self._labels) if columns is None else len(columns)
-        rows = () if model == "h" else (self.m,)
+        rows = () if model == "h" else (self.n,)
         out = arrays.output(out, (*states.lead, *rows, width))
         self._inner.regressor(model, columns, states.q, states.qd, states.qdd, out)
         return out
@@ -392,12 +568,12 @@ class Robot(Rendered):
         if qd is None:
             if model != "d0":
                 raise ShapeError(f"qd is missing: model {model} needs velocities")
-            qd = np.zeros(np.shape(q))
+            qd = np.zeros((*np.shape(q)[:-1], self.n))
         if qdd is None:
             if model != "h":
                 raise ShapeError(f"qdd is missing: model {model} needs accelerations")
-            qdd = np.zeros(np.shape(q))
-        return arrays.states(q, qd, qdd, self.m, self.n)
+            qdd = np.zeros((*np.shape(q)[:-1], self.n))
+        return arrays.states(q, qd, qdd, self.nq, self.n)
 
     def torques(
         self,
@@ -410,8 +586,8 @@ class Robot(Rendered):
 
         Parameters
         ----------
-        q, qd, qdd : array_like, shape (m,) or (N, m)
-            States of the independent joints.
+        q, qd, qdd : array_like, shape (n,) or (N, n)
+            Joint states.
         X : array_like of shape (C,), or mapping from labels to values
             Standard parameters; by default those of the robot file. Labels that a mapping
             leaves out count as zero.
@@ -425,9 +601,9 @@ class Robot(Rendered):
         ShapeError, ArrayError, UnknownParameterError
             An argument is not usable.
         """
-        states = arrays.states(q, qd, qdd, self.m, self.n)
+        states = arrays.states(q, qd, qdd, self.nq, self.n)
         x = self._standard_parameters(X)
-        out = np.empty((*states.lead, self.m))
+        out = np.empty((*states.lead, self.n))
         self._inner.torques(x, states.q, states.qd, states.qdd, out)
         return out
 
@@ -533,7 +709,7 @@ class Robot(Rendered):
         if not isinstance(samples, tuple) or len(samples) != 3:
             raise OptionError("samples is no tuple (q, qd, qdd) and no Scaling")
         q, qd, qdd = samples
-        return arrays.states(q, qd, qdd, self.m, self.n)[:3]
+        return arrays.states(q, qd, qdd, self.nq, self.n)[:3]
 
     def scale(
         self,
@@ -629,7 +805,7 @@ class Robot(Rendered):
         kinds = [link.joint for link in self._links]
         joints = ", ".join(
             f"{kinds.count(kind)} {kind} joint{'s' if kinds.count(kind) > 1 else ''}"
-            for kind in ("revolute", "prismatic", "fixed")
+            for kind in ("floating", "revolute", "prismatic", "fixed")
             if kind in kinds
         )
         return f"Robot({self.name!r}, {joints}, {len(self._labels)} parameters)"

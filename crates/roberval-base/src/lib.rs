@@ -19,13 +19,17 @@ mod result;
 mod sample;
 mod scaling;
 
-pub use certificate::{CertificateError, CertificateNotes, certificate, certificate_text};
+pub use certificate::{
+    CertificateError, CertificateNotes, certificate, certificate_text, robot_sha256,
+};
 pub use choice::Choice;
 pub use compare::{Comparison, Failure, Route, compare};
 pub use diagnosis::{Diagnosis, Opened, Structure, Witness};
 pub use engine::Engine;
 pub use error::BaseError;
-pub use exact::{ExactDecision, ExactError, ExactNumber, Run, decide_exactly, eliminate};
+pub use exact::{
+    ExactDecision, ExactError, ExactNumber, Run, choose_exactly, decide_exactly, eliminate,
+};
 pub use literal::{Blame, Literal};
 pub use method::{Options, base_parameters, base_parameters_at};
 pub use nullspace::{NullspaceDecision, nullspace_rank};

@@ -6,6 +6,7 @@ use clap::builder::{NonEmptyStringValueParser, PossibleValuesParser, TypedValueP
 use clap::{Args, ColorChoice, Parser, Subcommand};
 use clap_complete::Shell;
 use roberval_base::{Choice, Engine, Model, Options, Tolerance};
+use roberval_code::{Language, What};
 use roberval_mechanism::{CleanMode, Convention};
 use roberval_scalar::Quantity;
 use roberval_tables::Format;
@@ -23,6 +24,8 @@ Examples:
   roberval regressor arm.urdf states.csv -o W.npy
   roberval scale arm.urdf --format csv        well scaled samples
   roberval lint arm.urdf                      what is wrong with a robot file
+  roberval base puma560 --symbolic            relations in D3, R3, D4, R4
+  roberval code puma560 --lang c -o puma.c    inverse dynamics as code
   roberval demo                               a tour, with a report to look at
 
 Exit codes: 0 clear, 1 computed but doubtful or engines disagree, 2 bad input.";
@@ -73,11 +76,22 @@ Examples:
 const STATES: &str = "\
 States are a CSV file with the columns q_1.., qd_1.. and qdd_1.. (or q_NAME with the name of
 the joint or of its link) in any order, or an NPZ file with the arrays q, qd and qdd of shape
-(N, n). Model d0 needs no qd, model h no qdd.
+(N, n). Model d0 needs no qd, model h no qdd. For a floating link L, q begins with q_L.x, q_L.y,
+q_L.z and the quaternion q_L.qx, q_L.qy, q_L.qz, q_L.qw, and qd with qd_L.vx .. qd_L.wz, the
+velocity in L's frame (so qdd, its rates): n is 6 more than the joints, and q has n + 1 columns.
 
 The array has the shape (N, n, C) for d and d0 and (N, C) for h, in C order, C being the
 standard parameters in the order of `roberval show`, or the base parameters with --base.
 Only differences of the rows of h mean anything.";
+
+const CODE: &str = "\
+The code is straight-line, without allocation, and takes its parameters in the order that its
+comments list. --format is for --counts.
+
+Examples:
+  roberval code puma560 --lang c --what tau -o puma.c
+  roberval code arm.urdf --lang python --what regressor -o arm_regressor.py
+  roberval code arm.urdf --counts";
 
 const SCALE: &str = "\
 The table shows what the search gained over random samples. --format csv writes the samples
@@ -112,6 +126,9 @@ pub(crate) enum Command {
     /// Write the regressor at joint states from a file as a NumPy array
     #[command(after_help = STATES)]
     Regressor(RegressorArgs),
+    /// Write the reduced model as code: C, Rust, NumPy or MATLAB
+    #[command(after_help = CODE)]
+    Code(CodeArgs),
     /// Search for samples that scale W (section 4 of the paper's method)
     #[command(after_help = SCALE)]
     Scale(ScaleArgs),
@@ -174,6 +191,43 @@ pub(crate) struct BaseArgs {
     /// Write also a report to look at: one HTML page, offline
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
+    /// Show the relations in symbols: named constants stay symbols, and where there are
+    /// none all lengths get names (d3, r4, x5)
+    #[arg(long)]
+    pub symbolic: bool,
+    /// With --symbolic: give names to all lengths that have none
+    #[arg(long, requires = "symbolic")]
+    pub name_lengths: bool,
+    /// With --symbolic: write the relations also as a Python module for SymPy
+    #[arg(long, requires = "symbolic", value_name = "FILE")]
+    pub sympy: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CodeArgs {
+    #[command(flatten)]
+    pub robot: RobotArgs,
+    /// The language
+    #[arg(long, default_value = Language::C.name(), value_parser = language())]
+    pub lang: Language,
+    /// What the code computes: inverse dynamics, the reduced regressor d1, the energy row
+    /// h1, the torques of gravity, the mass matrix
+    #[arg(long, default_value = What::Tau.name(), value_parser = what())]
+    pub what: What,
+    /// The parameters it takes: base parameters, or all standard ones
+    #[arg(long, default_value = "base", value_parser = ["base", "standard"])]
+    pub parameters: String,
+    /// Add friction to tau, Fv qd + Fc sign(qd), two parameters a joint
+    #[arg(long)]
+    pub friction: bool,
+    /// Show what the code costs in place of the code: operations with standard and with
+    /// base parameters, link by link
+    #[arg(long)]
+    pub counts: bool,
+    #[command(flatten)]
+    pub choice: ChoiceArgs,
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -214,7 +268,7 @@ pub(crate) struct ScaleArgs {
     #[arg(long, default_value = "h", value_parser = model())]
     pub model: Model,
     /// Names the random starts: the same seed, the same samples
-    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     pub seed: u64,
     /// Rows of W [default: its columns]
     #[arg(long, value_name = "R", value_parser = rows, allow_negative_numbers = true)]
@@ -254,6 +308,9 @@ pub(crate) struct ReadingArgs {
     /// Keep links on fixed joints of a URDF as links of their own
     #[arg(long)]
     pub keep_fixed: bool,
+    /// Let the base move freely: the root link of a URDF, a link "0" for others
+    #[arg(long)]
+    pub floating: bool,
     /// Leave rotor inertias Ia out: ten parameters a link, the rigid bodies' own
     #[arg(long)]
     pub no_rotors: bool,
@@ -286,7 +343,7 @@ pub(crate) struct MethodArgs {
 #[derive(Debug, Clone, Args)]
 pub(crate) struct ChoiceArgs {
     /// Names the random samples: the same seed, the same answer
-    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     pub seed: u64,
     /// Which parameters to keep: those of smallest subscript (paper), the best
     /// conditioned (pivoted), or those preferred by --keep and --drop [default: paper]
@@ -305,6 +362,7 @@ pub(crate) struct ChoiceArgs {
         value_name = "EPS",
         num_args = 0..=1,
         require_equals = true,
+        value_parser = eps,
         default_missing_value = "2.220446049250313e-16"
     )]
     pub paper_tolerance: Option<f64>,
@@ -398,6 +456,14 @@ fn snap() -> impl TypedValueParser<Value = CleanMode> {
     })
 }
 
+fn language() -> impl TypedValueParser<Value = Language> {
+    named(&Language::ALL, Language::name)
+}
+
+fn what() -> impl TypedValueParser<Value = What> {
+    named(&What::ALL, What::name)
+}
+
 fn format() -> impl TypedValueParser<Value = Format> {
     named(&Format::ALL, Format::name)
 }
@@ -407,6 +473,16 @@ fn rows(text: &str) -> Result<usize, String> {
         Ok(0) | Err(_) => Err("expected a whole number of rows, at least 1".to_owned()),
         Ok(rows) => Ok(rows),
     }
+}
+
+fn seed(text: &str) -> Result<u64, String> {
+    let hint = |_| format!("expected a whole number from 0 to {}", u64::MAX);
+    text.parse().map_err(hint)
+}
+
+/// What one rounding costs.
+fn eps(text: &str) -> Result<f64, String> {
+    positive(text).map_err(|expected| format!("{expected}, such as 2.2e-16 for doubles"))
 }
 
 /// A number above zero.

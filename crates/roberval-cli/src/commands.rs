@@ -5,9 +5,10 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use clap::CommandFactory;
-use roberval_base::{ScalingOptions, base_parameters};
+use roberval_base::{Choice, ScalingOptions, base_parameters};
 use roberval_formats::{catalogue, clean_file};
 use roberval_mechanism::{CleanMode, Mechanism};
+use roberval_symbolic::{Naming, SymbolicOptions, symbolic_relations};
 use roberval_tables::{self as tables, Format, RobotEntry};
 
 use crate::arguments::{
@@ -18,7 +19,7 @@ use crate::error::CliError;
 use crate::look::Look;
 use crate::output::Target;
 use crate::robot::{load, policy};
-use crate::{CLEAR, DOUBTFUL, demo, lint, regressor, say};
+use crate::{CLEAR, DOUBTFUL, code, demo, lint, regressor, say};
 
 /// Runs a subcommand; gives the exit code.
 pub(crate) fn execute(
@@ -37,6 +38,7 @@ pub(crate) fn execute(
         Command::Clean(args) => clean(args, out, err),
         Command::Regressor(args) => regressor::run(args, out, err),
         Command::Scale(args) => scale(args, out, err, look),
+        Command::Code(args) => code::run(args, out, err, look),
     }
 }
 
@@ -78,6 +80,9 @@ fn base(
     err: &mut dyn Write,
     look: Look,
 ) -> Result<i32, CliError> {
+    if args.symbolic {
+        return symbolic(args, out, err, look);
+    }
     let options = args.method.options(&args.choice)?;
     let certificate = beside("--certificate", args.certificate.as_deref())?;
     let report = beside("--report", args.report.as_deref())?;
@@ -103,6 +108,47 @@ fn base(
         Ok(tables::base(&answer, format))
     })?;
     Ok(verdict(&doubts, err))
+}
+
+fn symbolic(
+    args: &BaseArgs,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+    look: Look,
+) -> Result<i32, CliError> {
+    if args.certificate.is_some() || args.report.is_some() {
+        let what = "--certificate and --report are written without --symbolic".to_owned();
+        return Err(CliError::Usage(what));
+    }
+    let options = args.method.options(&args.choice)?;
+    let sympy = beside("--sympy", args.sympy.as_deref())?;
+    answer(&args.output, out, look, |format| {
+        let mechanism = load(&args.robot.robot, &args.robot.reading)?;
+        warn(&mechanism, err);
+        // The paper's choice needs no answer in numbers before.
+        let order = match options.choice {
+            Choice::Paper => None,
+            _ => base_parameters(&mechanism, &options)?
+                .decision
+                .map(|d| d.order),
+        };
+        let options = SymbolicOptions {
+            model: options.model,
+            naming: match args.name_lengths {
+                true => Naming::All,
+                false => Naming::Auto,
+            },
+            order,
+            seed: options.seed,
+        };
+        let answer = symbolic_relations(&mechanism, &options)?;
+        if let Some(target) = &sympy {
+            let text = tables::sympy(&answer);
+            target.write(&mut std::io::sink(), |sink| sink.write_all(text.as_bytes()))?;
+        }
+        Ok(tables::symbolic(&answer, format))
+    })?;
+    Ok(CLEAR)
 }
 
 /// The target of a file that is written beside the result.
@@ -203,14 +249,14 @@ pub(crate) fn answer(
 }
 
 /// Tells what the reader of the robot file noticed.
-fn warn(mechanism: &Mechanism, err: &mut dyn Write) {
+pub(crate) fn warn(mechanism: &Mechanism, err: &mut dyn Write) {
     for warning in &mechanism.description.warnings {
         say(err, "warning", warning);
     }
 }
 
 /// Tells the doubts; gives the exit code.
-fn verdict(doubts: &[String], err: &mut dyn Write) -> i32 {
+pub(crate) fn verdict(doubts: &[String], err: &mut dyn Write) -> i32 {
     for doubt in doubts {
         say(err, "doubt", doubt);
     }

@@ -3,6 +3,7 @@
 //! The result alone goes to `out`, what there is to say about it to `err`.
 
 mod arguments;
+mod code;
 mod commands;
 mod demo;
 mod error;

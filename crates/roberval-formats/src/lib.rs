@@ -21,4 +21,4 @@ pub use load::{clean_file, load, load_with};
 pub use roberval_mechanism::RobotDescription;
 pub use source::MAX_FILE_BYTES;
 pub use toml::{clean_toml, parse_toml, to_toml};
-pub use urdf::{UrdfOptions, clean_urdf, parse_urdf};
+pub use urdf::{UrdfOptions, clean_urdf, parse_urdf, to_urdf};

@@ -7,7 +7,7 @@ mod section;
 mod write;
 
 use roberval_mechanism::{
-    Geometry, JointKind, LinkDescription, MdhGeometry, ParameterKind, RobotDescription,
+    Geometry, JointKind, LinkDescription, MdhGeometry, Origin, ParameterKind, RobotDescription,
     SourceFormat, TreeError,
 };
 use roberval_scalar::{Constants, Quantity, is_constant_name};
@@ -38,14 +38,23 @@ const LINK_KEYS: &[&str] = &[
     "joint",
     "active",
     "rotor",
+    "massless",
     "gamma",
     "b",
     "alpha",
     "d",
     "theta",
     "r",
+    "joint_name",
+    "xyz",
+    "rpy",
+    "axis",
     "inertia",
 ];
+
+/// Keys of links that are placed as in URDF, and those of modified Denavit-Hartenberg ones.
+const PLACED_KEYS: [&str; 3] = ["xyz", "rpy", "axis"];
+const MDH_KEYS: [&str; 6] = ["gamma", "b", "alpha", "d", "theta", "r"];
 
 /// Reads a robot TOML. `source_name` names the text in messages, and the robot where the
 /// text gives no name.
@@ -86,6 +95,10 @@ pub fn parse_toml(text: &str, source_name: &str) -> Result<RobotDescription, For
         )?;
         description.links.push(link);
     }
+    let placed = |link: &LinkDescription| matches!(link.geometry, Geometry::Placed { .. });
+    if description.links.iter().any(placed) {
+        description.format = SourceFormat::Placed;
+    }
     check_tree(&source, &description, &tables)?;
     couple::couples(&robot, &mut description)?;
     description.loops = loops::read(&robot, &description)?;
@@ -103,11 +116,29 @@ fn syntax(source: &Source, error: &toml_edit::TomlError) -> FormatError {
         Code::Toml
     };
     let offset = error.span().map_or(0, |span| span.start);
-    let error = source.error(code, offset, what);
+    let mut error = source.error(code, offset, what);
+    if let Some(place) = unread_place(&source.text[..offset]) {
+        error = error.place(place);
+    }
+    if code == Code::NotFinite {
+        error = error.hint("the largest number is 1.797e308");
+    }
     if source.text.trim_start().starts_with('<') {
         return error.hint("this looks like XML, not TOML: name the file .urdf if it is a URDF");
     }
     error
+}
+
+/// The link and the key before a place that the TOML reader does not understand.
+fn unread_place(before: &str) -> Option<String> {
+    let (key, _) = before.lines().last()?.split_once('=')?;
+    let header = |line: &str| line.trim().starts_with("[[link]]");
+    let links = before.lines().filter(|line| header(line)).count();
+    let last = before.lines().rfind(|line| line.trim().starts_with('['));
+    Some(match last {
+        Some(line) if header(line) => format!("link {links}, {}", key.trim()),
+        _ => key.trim().to_owned(),
+    })
 }
 
 fn constants(robot: &Section) -> Result<Vec<(String, Quantity)>, FormatError> {
@@ -138,7 +169,9 @@ fn gravity(robot: &Section, constants: &Constants) -> Result<[Quantity; 3], Form
         let down = Quantity::parse_decimal("-9.81").unwrap_or_else(|_| Quantity::zero());
         [Quantity::zero(), Quantity::zero(), down]
     };
-    Ok(robot.vector("gravity", constants)?.unwrap_or_else(default))
+    Ok(robot
+        .vector("gravity", Quantity::parse_number, constants)?
+        .unwrap_or_else(default))
 }
 
 type Tables<'d> = Vec<(&'d dyn TableLike, usize)>;
@@ -202,27 +235,39 @@ fn link(
         return Err(section.fault(Code::BadName, "name", what));
     }
     let joint = joint_kind(section)?;
-    let moving = joint != JointKind::Fixed;
-    let driven = moving && !dependent.contains(&name);
+    let has_axis = joint.has_axis();
+    let driven = has_axis && !dependent.contains(&name);
     let active = section.boolean("active")?.unwrap_or(driven);
-    let rotor = section.boolean("rotor")?.unwrap_or(active && moving);
-    for (key, value) in [("active", active), ("rotor", rotor)] {
-        if value && !moving {
-            let what = format!("a fixed joint cannot have {key} = true");
+    let massless = section.boolean("massless")?.unwrap_or(false);
+    let rotor = section
+        .boolean("rotor")?
+        .unwrap_or(active && has_axis && !massless);
+    for (key, value) in [("active", active), ("rotor", rotor), ("massless", massless)] {
+        if value && !has_axis {
+            let what = format!("a {} joint cannot have {key} = true", joint.name());
             return Err(section.fault(Code::Contradiction, key, what).hint(format!(
                 "leave {key} out, or make the joint revolute or prismatic"
             )));
         }
     }
+    for key in ["inertia", "rotor"] {
+        if massless && (key == "inertia" || rotor) && section.table.contains_key(key) {
+            let what = format!("a massless link has no {key}: it only stands between two motions");
+            return Err(section.fault(Code::Contradiction, key, what));
+        }
+    }
+    let joint_name = section.name("joint_name")?;
+    let label = joint_name.as_deref().unwrap_or(&name);
     Ok(LinkDescription {
         antecedent: antecedent(section, previous)?,
-        geometry: Geometry::Mdh(Box::new(geometry(section, joint, constants)?)),
+        geometry: placement(section, joint, label, constants)?,
         inertia: inertia(section, rotor, constants)?,
         name,
-        joint_name: None,
+        joint_name,
         joint,
         active,
         rotor,
+        massless,
         limits: None,
     })
 }
@@ -231,17 +276,13 @@ fn joint_kind(section: &Section) -> Result<JointKind, FormatError> {
     let Some(kind) = section.string("joint")? else {
         return Ok(JointKind::Revolute);
     };
-    match kind {
-        "revolute" => Ok(JointKind::Revolute),
-        "prismatic" => Ok(JointKind::Prismatic),
-        "fixed" => Ok(JointKind::Fixed),
-        other => {
-            let what = format!("unknown joint type {}", quoted(other));
-            Err(section
-                .fault(Code::JointType, "joint", what)
-                .hint("write \"revolute\", \"prismatic\" or \"fixed\""))
-        }
-    }
+    let known = JointKind::ALL.into_iter().find(|k| k.name() == kind);
+    known.ok_or_else(|| {
+        let what = format!("unknown joint type {}", quoted(kind));
+        section
+            .fault(Code::JointType, "joint", what)
+            .hint("write \"revolute\", \"prismatic\", \"fixed\" or, for a base, \"floating\"")
+    })
 }
 
 fn antecedent(section: &Section, previous: Option<&str>) -> Result<Option<String>, FormatError> {
@@ -252,8 +293,56 @@ fn antecedent(section: &Section, previous: Option<&str>) -> Result<Option<String
     })
 }
 
+/// Where the link is: by xyz, rpy and axis as in URDF, else by modified Denavit-Hartenberg
+/// parameters.
+fn placement(
+    section: &Section,
+    joint: JointKind,
+    joint_name: &str,
+    constants: &Constants,
+) -> Result<Geometry, FormatError> {
+    let has = |key: &&&str| section.table.contains_key(key);
+    let Some(placed) = PLACED_KEYS.iter().find(has) else {
+        let geometry = geometry(section, joint, constants)?;
+        return Ok(Geometry::Mdh(Box::new(geometry)));
+    };
+    if let Some(key) = MDH_KEYS.iter().find(has) {
+        let what = format!("{key} and {placed} exclude each other");
+        return Err(section.fault(Code::Contradiction, key, what).hint(
+            "place a link by xyz, rpy and axis, or by modified Denavit-Hartenberg parameters",
+        ));
+    }
+    let vector = |key: &str, read| {
+        let value = section.vector(key, read, constants)?;
+        Ok::<_, FormatError>(value.unwrap_or_else(|| [(); 3].map(|()| Quantity::zero())))
+    };
+    let origin = Origin {
+        joint: joint_name.to_owned(),
+        xyz: vector("xyz", Quantity::parse_length)?,
+        rpy: vector("rpy", Quantity::parse_angle)?,
+    };
+    let axis = match section.vector("axis", Quantity::parse_number, constants)? {
+        Some(axis) if joint.has_axis() && axis.iter().all(|x| x.value == 0.0) => {
+            let what = "the joint axis is zero";
+            return Err(section
+                .fault(Code::ZeroAxis, "axis", what)
+                .hint("write a direction such as axis = [0, 0, 1]"));
+        }
+        Some(axis) => axis,
+        None => [Quantity::zero(), Quantity::zero(), one()],
+    };
+    Ok(Geometry::Placed {
+        origins: vec![origin],
+        axis,
+    })
+}
+
+fn one() -> Quantity {
+    Quantity::parse_decimal("1").unwrap_or_else(|_| Quantity::zero())
+}
+
 /// gamma and b default to 0 (a chain has neither), and so does the constant to which the
-/// joint variable is added; the others must be written.
+/// joint variable is added; the others must be written. A floating base needs none.
 fn geometry(
     section: &Section,
     joint: JointKind,
@@ -265,7 +354,7 @@ fn geometry(
     };
     let required = |key: &str, read, default: bool| match section.quantity(key, read, constants)? {
         Some(value) => Ok(value),
-        None if default => Ok(Quantity::zero()),
+        None if default || joint == JointKind::Floating => Ok(Quantity::zero()),
         None => {
             let what = format!("{key} is missing");
             let hint = format!("write {key} = 0 if it is zero");

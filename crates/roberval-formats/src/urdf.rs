@@ -6,8 +6,10 @@ mod inertia;
 mod joint;
 mod link;
 mod node;
+mod planar;
 mod prescan;
 mod tree;
+mod write;
 
 use std::collections::HashMap;
 
@@ -22,6 +24,7 @@ pub use clean::clean_urdf;
 pub(crate) use joint::Joint;
 pub(crate) use link::Link;
 pub(crate) use node::Element;
+pub use write::to_urdf;
 
 /// The most XML nodes that are read.
 const MAX_NODES: u32 = 2_000_000;
@@ -32,14 +35,17 @@ pub struct UrdfOptions {
     /// Keep fixed joints as links of their own; the default is to lump a link on a fixed
     /// joint into its parent.
     pub keep_fixed: bool,
+    /// Let the root link move freely, unless the file has a floating joint; the default is
+    /// that it stands still.
+    pub floating: bool,
 }
 
 /// Reads a URDF. `source_name` names the text in messages, and the robot where the text
 /// gives no name. Meshes and everything that is no link and no joint are ignored, no
 /// other file is opened.
 ///
-/// The root link and what is fixed to it are the base. The others are numbered depth
-/// first, joints in file order. Inertial parameters are about the origin of the link's
+/// The root link and what is fixed to it are the base, unless it floats. The others are
+/// numbered depth first, joints in file order. Inertial parameters are about the origin of the link's
 /// frame and in that frame; they include the links lumped into it.
 ///
 /// # Errors
@@ -129,7 +135,7 @@ fn check_format(root: &Element) -> Result<(), FormatError> {
         "sdf" | "gazebo" => ("this is SDF, not URDF", "convert the model to URDF"),
         "mujoco" => (
             "this is MJCF (MuJoCo), not URDF",
-            "convert the model to URDF",
+            "the Python package reads it where mujoco is installed: pip install mujoco",
         ),
         "html" => (
             "this is a web page, not a robot file",

@@ -6,7 +6,7 @@ use std::convert::Infallible;
 use num_traits::Zero;
 use roberval_scalar::{Expr, Formula, LinearInPi, Quantity};
 
-use crate::{CoupleError, JointKind, RobotDescription};
+use crate::{CoupleError, RobotDescription};
 
 /// q = F(qa): how the n joint variables of the tree follow from m independent ones.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,10 +71,8 @@ impl Closure {
                 }
             }
         }
-        let moving = order
-            .iter()
-            .filter(|l| robot.links[**l].joint != JointKind::Fixed);
-        let moving: Vec<usize> = moving.copied().collect();
+        let variables = |&l: &usize| std::iter::repeat_n(l, robot.links[l].joint.dof());
+        let moving: Vec<usize> = order.iter().flat_map(variables).collect();
         let variable: HashMap<usize, usize> = moving.iter().copied().zip(0..).collect();
         let mut place = HashMap::new();
         let mut independent = Vec::new();
@@ -84,17 +82,18 @@ impl Closure {
                 independent.push(at);
             }
         }
+        let mut places = 0..independent.len();
         let law = |link: &usize| match (resolved.get(link), formulas.get(link)) {
-            (Some(sum), _) => VariableLaw::Affine(sum.law(&place)),
+            (Some(sum), _) => Some(VariableLaw::Affine(sum.law(&place))),
             (None, Some(formula)) => {
                 let mut name = |link: &usize| Ok::<_, Infallible>(variable[link]);
                 let Ok(formula) = formula.rename(&mut name);
-                VariableLaw::Formula(formula)
+                Some(VariableLaw::Formula(formula))
             }
-            (None, None) => VariableLaw::Independent(place[link]),
+            (None, None) => places.next().map(VariableLaw::Independent),
         };
         Ok(Some(Self {
-            laws: moving.iter().map(law).collect(),
+            laws: moving.iter().filter_map(law).collect(),
             independent,
             formulas: in_turn.iter().map(|link| variable[link]).collect(),
         }))
@@ -142,9 +141,10 @@ impl<'d> Couples<'d> {
                 name: name.to_owned(),
             };
             let link = *links.get(name).ok_or_else(unknown)?;
-            if robot.links[link].joint == JointKind::Fixed {
+            let kind = robot.links[link].joint;
+            if !kind.has_axis() {
                 let name = robot.joint_label(link).to_owned();
-                return Err(CoupleError::Fixed { couple, name });
+                return Err(CoupleError::NoAxis { couple, name, kind });
             }
             Ok(link)
         };

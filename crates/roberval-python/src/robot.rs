@@ -5,8 +5,10 @@ use std::sync::Arc;
 use numpy::{PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use roberval_base::{base_parameters, base_parameters_at, compare};
-use roberval_formats::{FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml};
-use roberval_mechanism::{Couple, JointKind, Mechanism, RobotDescription, SourceFormat};
+use roberval_formats::{
+    self as formats, FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml, to_urdf,
+};
+use roberval_mechanism::{Couple, Mechanism, RobotDescription, SourceFormat};
 use roberval_regressor::Regressor;
 use roberval_tables as tables;
 
@@ -39,6 +41,9 @@ type LinkRow = (
     bool,
 );
 
+/// Rotation (rows) and origin on the antecedent, and the joint's axis.
+type Placement = ([[f64; 3]; 3], [f64; 3], [f64; 3]);
+
 #[pymethods]
 impl Robot {
     /// A built-in robot by name, or a robot file.
@@ -46,10 +51,11 @@ impl Robot {
     fn load(py: Python<'_>, path_or_name: &str, reading: Reading) -> PyResult<Self> {
         let options = UrdfOptions {
             keep_fixed: reading.keep_fixed,
+            floating: reading.floating,
         };
         let description = detached(py, || load_with(path_or_name, options))?;
         let urdf = match description.format {
-            SourceFormat::Mdh => None,
+            SourceFormat::Mdh | SourceFormat::Placed => None,
             SourceFormat::Urdf => Some(std::fs::read_to_string(path_or_name)?),
         };
         Self::of(py, description, urdf, &reading)
@@ -79,6 +85,7 @@ impl Robot {
     fn from_urdf(py: Python<'_>, text: &str, source: &str, reading: Reading) -> PyResult<Self> {
         let options = UrdfOptions {
             keep_fixed: reading.keep_fixed,
+            floating: reading.floating,
         };
         let description = detached(py, || parse_urdf(text, source, options))?;
         Self::of(py, description, Some(text.to_owned()), &reading)
@@ -92,6 +99,11 @@ impl Robot {
             self.written()
         };
         to_toml(description).map_err(|error| error.into_python(py))
+    }
+
+    /// The robot as a URDF.
+    fn to_urdf(&self, py: Python<'_>) -> PyResult<String> {
+        to_urdf(&self.mechanism).map_err(|error| error.into_python(py))
     }
 
     /// Format, text and name, from which the robot can be read again.
@@ -152,13 +164,13 @@ impl Robot {
         self.regressor.independent()
     }
 
+    /// Number of independent variables.
     #[getter]
-    fn independent_joints(&self) -> Vec<String> {
-        let joints = self.mechanism.independent_joints();
-        joints.iter().map(|link| link.label().to_owned()).collect()
+    fn dof(&self) -> usize {
+        self.regressor.independent()
     }
 
-    /// Joint, the joints it follows with their multipliers, offset.
+    /// Joint, the joints it follows with their multipliers, offset, expression.
     #[getter]
     fn couples(&self) -> Vec<CoupleRow> {
         let description = &self.mechanism.description;
@@ -180,8 +192,18 @@ impl Robot {
     }
 
     #[getter]
-    fn dof(&self) -> usize {
-        self.regressor.dof()
+    fn positions(&self) -> usize {
+        self.regressor.positions()
+    }
+
+    /// The coordinates of q, of qd and the rows of d.
+    #[getter]
+    fn coordinates(&self) -> [Vec<String>; 3] {
+        [
+            self.mechanism.position_names(),
+            self.mechanism.velocity_names(),
+            self.mechanism.row_names(),
+        ]
     }
 
     #[getter]
@@ -190,19 +212,27 @@ impl Robot {
         links
             .iter()
             .map(|link| {
-                let joint = match link.joint {
-                    JointKind::Revolute => "revolute",
-                    JointKind::Prismatic => "prismatic",
-                    JointKind::Fixed => "fixed",
-                };
                 (
                     link.name.clone(),
                     link.joint_name.clone(),
                     link.antecedent.map(|a| links[a].name.clone()),
-                    joint,
+                    link.joint.name(),
                     link.active,
                     link.rotor,
                 )
+            })
+            .collect()
+    }
+
+    /// Of each link: rotation (rows) and origin on its antecedent at joint variable 0, and
+    /// the joint's axis in the link's frame.
+    #[getter]
+    fn placements(&self) -> Vec<Placement> {
+        let links = self.mechanism.links.iter();
+        links
+            .map(|l| {
+                let rows = l.rotation.transpose().into();
+                (rows, l.origin.into(), l.axis.into())
             })
             .collect()
     }
@@ -333,6 +363,24 @@ impl Robot {
             None => &self.mechanism.description,
         }
     }
+}
+
+/// The text of a robot file with its rounded numbers set right; what was changed, and what
+/// was left alone, in sentences.
+#[pyfunction]
+pub fn clean_file(
+    py: Python<'_>,
+    path_or_name: &str,
+    snap: &str,
+) -> PyResult<(String, Vec<String>, Vec<String>)> {
+    let policy = options::policy(py, snap)?;
+    let (text, changes, near) = detached(py, || formats::clean_file(path_or_name, &policy))?;
+    let changed = changes.iter().filter(|change| !change.is_last_digit());
+    Ok((
+        text,
+        changed.map(ToString::to_string).collect(),
+        near.iter().map(ToString::to_string).collect(),
+    ))
 }
 
 /// Name, title and source of each built-in robot.

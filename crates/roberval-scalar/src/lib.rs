@@ -5,6 +5,7 @@
 //! * [`Formula`]: expressions of joint variables, with their derivatives ([`Jet`]).
 //! * [`Decimal`], [`Expr`], [`Quantity`]: numbers as the user wrote them, kept exactly.
 
+mod cancel;
 mod double_double;
 mod field;
 mod formula;
@@ -18,6 +19,7 @@ mod real;
 mod scalar;
 pub mod vector;
 
+pub use cancel::{Cancelled, cancellable, cancellation_point};
 pub use double_double::DoubleDouble;
 pub use field::{Fp, Modulus};
 pub use formula::{Formula, Jet};

@@ -8,6 +8,7 @@ use roberval_regressor::{AngleOrder, ExactModel, NotInField, Turn};
 use roberval_scalar::{Fp, Modulus, Quantity, SplitMix64, random_prime};
 
 use crate::naming::{Named, SymbolKind};
+use crate::rules::{Origin, removed_by_rules};
 
 /// What each symbol is: a random number of the field, or as given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,6 +45,31 @@ impl Oracle<'_> {
 
     /// What the engine says at these values.
     pub fn ask(&self, modulus: &Modulus, at: &[Value], seed: u64) -> Result<Run, NotInField> {
+        self.at(modulus, at, seed, |mechanism, exact, random| {
+            eliminate(mechanism, self.model, &self.order, exact, seed, random)
+        })
+    }
+
+    /// Which rules remove columns at these values.
+    pub fn rules(
+        &self,
+        modulus: &Modulus,
+        at: &[Value],
+        seed: u64,
+    ) -> Result<Vec<(usize, Origin)>, NotInField> {
+        self.at(modulus, at, seed, |mechanism, exact, random| {
+            removed_by_rules(mechanism, exact, &self.order, random)
+        })
+    }
+
+    /// What `f` makes of the robot with these values of its symbols.
+    fn at<T>(
+        &self,
+        modulus: &Modulus,
+        at: &[Value],
+        seed: u64,
+        f: impl FnOnce(&Mechanism, &ExactModel<'_>, &mut SplitMix64) -> T,
+    ) -> Result<T, NotInField> {
         let mut description = self.named.description.clone();
         let mut turns = Vec::new();
         for (symbol, value) in self.named.symbols.iter().zip(at) {
@@ -75,14 +101,7 @@ impl Oracle<'_> {
         // What the description's angles need, symbols being zero.
         let exact =
             ExactModel::with_turns(&mechanism, modulus, self.angles, 1, model_seed, &turns)?;
-        Ok(eliminate(
-            &mechanism,
-            self.model,
-            &self.order,
-            &exact,
-            seed,
-            &mut random,
-        ))
+        Ok(f(&mechanism, &exact, &mut random))
     }
 
     /// The values of the polynomials' variables at a point: lengths, then cosine and sine

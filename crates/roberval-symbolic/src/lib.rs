@@ -11,6 +11,7 @@ mod interpolation;
 mod naming;
 mod polynomial;
 mod relations;
+mod rules;
 mod special;
 
 pub use factored::{Factored, Notation};
@@ -20,4 +21,5 @@ pub use relations::{
     Coefficient, SymbolicError, SymbolicOptions, SymbolicRelations, Verification,
     symbolic_relations,
 };
+pub use rules::Origin;
 pub use special::Special;

@@ -10,7 +10,8 @@ use roberval_scalar::{Fp, Modulus, SplitMix64};
 use crate::field::{Oracle, Value};
 use crate::interpolation::{Shape, interpolate};
 use crate::naming::{Named, Naming, SymbolKind};
-use crate::polynomial::{Monomial, Polynomial, Variable};
+use crate::polynomial::{Monomial, Polynomial, Variable, power};
+use crate::rules::Origin;
 use crate::special::{Special, special};
 
 /// Points beyond the unknown coefficients that check each interpolation.
@@ -105,6 +106,8 @@ pub struct SymbolicRelations {
     pub regrouped: Vec<usize>,
     /// beta, base x regrouped; `None` is zero.
     pub beta: Vec<Vec<Option<Coefficient>>>,
+    /// What removes each parameter that is not kept, in the order of the columns.
+    pub origins: Vec<(usize, Origin)>,
     /// What is special about the given values.
     pub special: Vec<Special>,
     /// How sure the relations are.
@@ -137,6 +140,7 @@ pub fn symbolic_relations(
     let mut samples = Samples::new(&oracle, &modulus, &mut random)?;
     let beta = samples.beta(&mut random)?;
     let run = samples.first.clone();
+    let origins = samples.origins(&mut random)?;
     let special = special(&oracle, &modulus, &run, &mut random)?;
     let mut relations = SymbolicRelations {
         variables: variables(&named),
@@ -145,6 +149,7 @@ pub fn symbolic_relations(
         base: run.kept,
         regrouped: run.deleted,
         beta,
+        origins,
         special,
         verification: Verification {
             primes: Vec::new(),
@@ -233,6 +238,24 @@ impl<'a, 'm> Samples<'a, 'm> {
             beta[i][j] = Some(Coefficient::Open(names.collect()));
         }
         Ok(beta)
+    }
+
+    /// What removes each parameter that is not kept.
+    fn origins(&self, random: &mut SplitMix64) -> Result<Vec<(usize, Origin)>, NotInField> {
+        let rules = self
+            .oracle
+            .rules(self.modulus, &self.first_point, random.next_u64())?;
+        let gone = self.first.no_effect.iter().chain(&self.first.deleted);
+        let origin = |&column: &usize| {
+            let rule = rules.iter().find(|(c, _)| *c == column);
+            (
+                column,
+                rule.map_or(Origin::Elimination, |(_, origin)| *origin),
+            )
+        };
+        let mut origins: Vec<_> = gone.map(origin).collect();
+        origins.sort_unstable();
+        Ok(origins)
     }
 
     /// The symbols that each entry of beta depends on, seen by changing one at a time.
@@ -335,15 +358,11 @@ impl<'a, 'm> Samples<'a, 'm> {
         let count = monomials.len() + CHECKS;
         self.sample(count, random)?;
         let points = &self.points[..count];
-        let one = self.modulus.integer(1);
         let values: Vec<Vec<Fp<'m>>> = entries
             .iter()
             .map(|&(i, j)| {
                 let value = |(run, point): (&Run, &Vec<Fp<'m>>)| {
-                    let below = match point.is_empty() {
-                        true => one,
-                        false => crate::polynomial::power(denominator, point),
-                    };
+                    let below = power(self.modulus, denominator, point);
                     self.modulus.element(run.beta[i][j]) * below
                 };
                 self.runs[..count].iter().zip(points).map(value).collect()
@@ -441,10 +460,7 @@ impl Coefficient {
         else {
             return matches!(self, Self::Open(_));
         };
-        let below = match at.is_empty() {
-            true => modulus.integer(1),
-            false => crate::polynomial::power(denominator, at),
-        };
+        let below = power(modulus, denominator, at);
         numerator.value(modulus, at) == Some(modulus.element(residue) * below)
     }
 }

@@ -1,6 +1,7 @@
 //! What is shown, before it is known to whom: a small document without markup.
 
 use crate::relation::{Label, Sum};
+use crate::symbolic::Formula;
 
 /// A piece of a line or a cell.
 #[derive(Debug, Clone)]
@@ -90,6 +91,8 @@ pub(crate) enum Block {
     /// Words, then parameters with commas between them.
     List(String, Vec<Label>),
     Relations(Vec<Sum>),
+    /// Relations in symbols.
+    Formulas(Vec<Formula>),
 }
 
 pub(crate) type Document = Vec<Block>;

@@ -8,12 +8,14 @@
 mod base;
 mod catalogue;
 mod compare;
+mod counts;
 mod couples;
 mod document;
 mod escape;
 mod json;
 mod latex;
 mod lint;
+mod loops;
 mod markdown;
 mod number;
 mod orders;
@@ -22,13 +24,16 @@ mod report;
 mod robot;
 mod scale;
 mod show;
+mod symbolic;
 mod text;
 
 use std::fmt;
 use std::str::FromStr;
 
 use roberval_base::{BaseParameters, Comparison, Scaling, ScalingOptions};
+use roberval_code::Code;
 use roberval_mechanism::{Convention, Mechanism};
+use roberval_symbolic::SymbolicRelations;
 
 use document::Document;
 
@@ -128,6 +133,30 @@ pub fn base(answer: &BaseParameters, format: Format) -> String {
         Format::Json => base::json(answer),
         Format::Csv => base::csv(answer),
         _ => format.prose(&base::document(answer)),
+    }
+}
+
+/// The relations of a robot in symbols. There is no CSV of them: text stands for it.
+#[must_use]
+pub fn symbolic(answer: &SymbolicRelations, format: Format) -> String {
+    match format {
+        Format::Json => symbolic::json(answer),
+        _ => format.prose(&symbolic::document(answer)),
+    }
+}
+
+/// The relations of a robot in symbols as a Python module for SymPy.
+#[must_use]
+pub fn sympy(answer: &SymbolicRelations) -> String {
+    symbolic::sympy(answer)
+}
+
+/// What code costs with standard and with base parameters, link by link.
+#[must_use]
+pub fn counts(standard: &Code, base: &Code, format: Format) -> String {
+    match format {
+        Format::Json => counts::json(standard, base),
+        _ => format.prose(&counts::document(standard, base)),
     }
 }
 

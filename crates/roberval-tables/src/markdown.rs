@@ -27,6 +27,11 @@ fn block(block: &Block) -> String {
                 .iter()
                 .map(|r| markdown_code(&r.pieces().join(" "))),
         ),
+        Block::Formulas(formulas) => list(
+            formulas
+                .iter()
+                .map(|f| markdown_code(&f.pieces().join(" "))),
+        ),
     }
 }
 

@@ -63,6 +63,11 @@ pub(crate) fn render(document: &Document, coloured: bool) -> String {
                     wrap(&relation.pieces(), HANG, &mut lines);
                 }
             }
+            Block::Formulas(formulas) => {
+                for formula in formulas {
+                    wrap(&formula.pieces(), HANG, &mut lines);
+                }
+            }
         }
     }
     lines.iter().fold(String::new(), |mut text, line| {

@@ -6,7 +6,7 @@ use roberval_regressor::{AngleOrder, Model, NoValue, NotInField};
 use super::coefficients::coefficients;
 use super::number::ExactNumber;
 use super::rounded::round_open_entries;
-use super::run::{Run, run};
+use super::run::{Goal, Run, run};
 use crate::SampleError;
 
 /// Fields asked at most before two must have agreed: a disagreement has a probability
@@ -89,21 +89,13 @@ pub fn decide_exactly(
         return Err(ExactError::Loops);
     }
     let angles = AngleOrder::of(mechanism);
-    let field = |k: u64| {
-        run(
-            mechanism,
-            model,
-            order,
-            angles,
-            seed.wrapping_mul(1000).wrapping_add(k),
-            1,
-        )
+    let field = |seed: u64, conjugate: u64| {
+        let goal = Goal::Relations;
+        run(mechanism, model, order, angles, seed, conjugate, goal)
     };
-    let [first, second] = agreeing_runs(field)?;
+    let [first, second] = agreeing_runs(|k| field(field_seed(seed, k), 1))?;
     let failure = |r: &Run| r.kept.len() as f64 * r.degree as f64 / r.p as f64;
-    let mut beta = coefficients(&first, &second, angles, |seed, conjugate| {
-        run(mechanism, model, order, angles, seed, conjugate)
-    })?;
+    let mut beta = coefficients(&first, &second, angles, field)?;
     let rounding_error = round_open_entries(
         mechanism,
         model,
@@ -129,22 +121,31 @@ pub fn decide_exactly(
     })
 }
 
-/// The structural rank alone: the larger of two fields' ranks.
+/// Rank and choice alone, without relations: the kept columns, as [`decide_exactly`] finds
+/// them.
 ///
 /// # Errors
 /// [`ExactError`] if a number of the description has no place in a prime field.
-pub(crate) fn structural_rank(
+pub fn choose_exactly(
     mechanism: &Mechanism,
     model: Model,
+    order: &[usize],
     seed: u64,
-) -> Result<usize, ExactError> {
+) -> Result<Vec<usize>, ExactError> {
     if !mechanism.is_affine() {
         return Err(ExactError::Loops);
     }
     let angles = AngleOrder::of(mechanism);
-    let order: Vec<usize> = (0..mechanism.parameters().len()).collect();
-    let rank = |seed: u64| run(mechanism, model, &order, angles, seed, 1).map(|r| r.kept.len());
-    Ok(rank(seed)?.max(rank(seed.wrapping_add(1))?))
+    let field = |k: u64| {
+        let seed = field_seed(seed, k);
+        run(mechanism, model, order, angles, seed, 1, Goal::Choice)
+    };
+    agreeing_runs(field).map(|[first, _]| first.kept)
+}
+
+/// The seed of the k-th field.
+fn field_seed(seed: u64, k: u64) -> u64 {
+    seed.wrapping_mul(1000).wrapping_add(k)
 }
 
 /// Two runs that agree; the rank is never overestimated, so that the larger wins.

@@ -161,6 +161,7 @@ impl<'s, 'd> Section<'s, 'd> {
     pub fn vector(
         &self,
         key: &str,
+        read: Read,
         constants: &Constants,
     ) -> Result<Option<[Quantity; 3]>, FormatError> {
         let Some(item) = self.table.get(key) else {
@@ -169,10 +170,9 @@ impl<'s, 'd> Section<'s, 'd> {
         let Some(array) = item.as_array() else {
             return Err(self
                 .wrong_type(key, item, "three numbers")
-                .hint(format!("write {key} = [0, 0, -9.81]")));
+                .hint(format!("write {key} = [0, 0, 1]")));
         };
-        self.three(key, array, Quantity::parse_number, constants)
-            .map(Some)
+        self.three(key, array, read, constants).map(Some)
     }
 
     /// The three numbers of an array.

@@ -1,8 +1,8 @@
 use std::fmt::Write;
 
 use roberval_mechanism::{
-    Couple, Geometry, JointKind, LinkDescription, LoopClosure, ParameterKind, RobotDescription,
-    SourceFormat, Term,
+    Couple, Geometry, LinkDescription, LoopClosure, ParameterKind, RobotDescription, SourceFormat,
+    Term,
 };
 use roberval_scalar::Quantity;
 use toml_edit::{Key, Value};
@@ -15,18 +15,14 @@ use crate::words::quoted;
 /// back, literals and all.
 ///
 /// # Errors
-/// When the description is no modified Denavit-Hartenberg description (a URDF robot has
-/// frames that its parameters cannot hold), or has what the form cannot hold (joint
-/// names, limits).
+/// When the description comes from a URDF or has what the form cannot hold: several
+/// placements of one link, limits.
 pub fn to_toml(robot: &RobotDescription) -> Result<String, FormatError> {
     let refuse = |what: String| FormatError::new(Code::NotWritable, robot.name.as_str(), what);
-    if robot.format != SourceFormat::Mdh {
-        return Err(refuse(
-            "a URDF robot cannot be written as robot TOML: its frames need not follow the \
-             modified Denavit-Hartenberg rules"
-                .to_owned(),
-        )
-        .hint("keep the URDF file"));
+    if robot.format == SourceFormat::Urdf {
+        let what = "a URDF robot cannot be written as robot TOML, which has no limits and lumps \
+                    no fixed joints";
+        return Err(refuse(what.to_owned()).hint("keep the URDF file"));
     }
     let mut text = String::new();
     head(&mut text, robot);
@@ -56,15 +52,9 @@ fn head(text: &mut String, robot: &RobotDescription) {
 }
 
 fn link(text: &mut String, link: &LinkDescription, dependent: bool) -> Result<(), String> {
-    let Geometry::Mdh(geometry) = &link.geometry else {
+    if link.limits.is_some() {
         return Err(format!(
-            "link {} has no modified Denavit-Hartenberg parameters",
-            quoted(&link.name)
-        ));
-    };
-    if link.joint_name.is_some() || link.limits.is_some() {
-        return Err(format!(
-            "link {}: robot TOML has no joint names or limits",
+            "link {}: robot TOML has no joint limits",
             quoted(&link.name)
         ));
     }
@@ -72,28 +62,20 @@ fn link(text: &mut String, link: &LinkDescription, dependent: bool) -> Result<()
     line(text, "name", &string(&link.name));
     let antecedent = link.antecedent.as_deref().unwrap_or(BASE);
     line(text, "antecedent", &string(antecedent));
-    let (joint, moving) = match link.joint {
-        JointKind::Revolute => ("revolute", true),
-        JointKind::Prismatic => ("prismatic", true),
-        JointKind::Fixed => ("fixed", false),
-    };
-    line(text, "joint", &string(joint));
-    if link.active != (moving && !dependent) {
+    line(text, "joint", &string(link.joint.name()));
+    if link.active != (link.joint.has_axis() && !dependent) {
         line(text, "active", &link.active.to_string());
     }
-    if link.rotor != (link.active && moving) {
+    if link.massless {
+        line(text, "massless", "true");
+    }
+    if link.rotor != (link.active && link.joint.has_axis() && !link.massless) {
         line(text, "rotor", &link.rotor.to_string());
     }
-    for (key, value) in [
-        ("gamma", &geometry.gamma),
-        ("b", &geometry.b),
-        ("alpha", &geometry.alpha),
-        ("d", &geometry.d),
-        ("theta", &geometry.theta),
-        ("r", &geometry.r),
-    ] {
-        line(text, key, &number(value));
+    if let Some(joint) = &link.joint_name {
+        line(text, "joint_name", &string(joint));
     }
+    geometry(text, link)?;
     inertia(text, link);
     Ok(())
 }
@@ -132,6 +114,40 @@ fn closure(text: &mut String, closure: &LoopClosure) {
 /// A key, quoted where TOML wants that.
 fn key(name: &str) -> String {
     Key::new(name).to_string()
+}
+
+fn geometry(text: &mut String, link: &LinkDescription) -> Result<(), String> {
+    let three = |numbers: &[Quantity; 3]| {
+        let texts = numbers.each_ref().map(number);
+        format!("[{}]", texts.join(", "))
+    };
+    match &link.geometry {
+        Geometry::Mdh(g) => {
+            for (key, value) in [
+                ("gamma", &g.gamma),
+                ("b", &g.b),
+                ("alpha", &g.alpha),
+                ("d", &g.d),
+                ("theta", &g.theta),
+                ("r", &g.r),
+            ] {
+                line(text, key, &number(value));
+            }
+        }
+        Geometry::Placed { origins, axis } => {
+            let [origin] = origins.as_slice() else {
+                return Err(format!(
+                    "link {} has {} placements, robot TOML has one",
+                    quoted(&link.name),
+                    origins.len()
+                ));
+            };
+            line(text, "xyz", &three(&origin.xyz));
+            line(text, "rpy", &three(&origin.rpy));
+            line(text, "axis", &three(axis));
+        }
+    }
+    Ok(())
 }
 
 fn inertia(text: &mut String, link: &LinkDescription) {

@@ -25,14 +25,17 @@ pub(crate) fn json(mechanism: &Mechanism) -> String {
         "robot": robot::json(mechanism),
         "source": match description.format {
             SourceFormat::Mdh => "mdh",
+            SourceFormat::Placed => "placed",
             SourceFormat::Urdf => "urdf",
         },
         "counts": {
             "links": mechanism.links.len(),
             "joint_variables": mechanism.dof(),
             "independent": mechanism.independent(),
+            "positions": mechanism.positions(),
             "standard": space.len(),
         },
+        "rows": mechanism.row_names(),
         "constants": constants,
         "geometry": geometry,
         "constraints": couples::json(mechanism),
@@ -75,6 +78,7 @@ fn geometry(link: &LinkDescription, couple: Option<&Couple>) -> Value {
     };
     value["active"] = link.active.into();
     value["rotor"] = link.rotor.into();
+    value["massless"] = link.massless.into();
     value["limits"] = json!(link.limits.map(|(lower, upper)| [lower, upper]));
     value["couple"] = match couple {
         None => Value::Null,
