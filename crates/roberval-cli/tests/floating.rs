@@ -32,17 +32,14 @@ fn show_names_the_rows_of_the_base() {
     assert!(run.out.contains("q_1..q_7"), "{}", run.out);
 }
 
-/// q and its names, qd and its names.
-const HEADER: &str = "q_0.x,q_0.y,q_0.z,q_0.qx,q_0.qy,q_0.qz,q_0.qw,q_1,q_9,\
-    qd_0.vx,qd_0.vy,qd_0.vz,qd_0.wx,qd_0.wy,qd_0.wz,qd_1,qd_8,\
-    qdd_1,qdd_2,qdd_3,qdd_4,qdd_5,qdd_6,qdd_7,qdd_8";
+const HEADER: &str = "q_0.x,q_0.y,q_0.z,q_0.qx,q_0.qy,q_0.qz,q_0.qw,q_1,q_2,\
+    qd_0.vx,qd_0.vy,qd_0.vz,qd_0.wx,qd_0.wy,qd_0.wz,qd_1,qd_2,\
+    qdd_0.vx,qdd_0.vy,qdd_0.vz,qdd_0.wx,qdd_0.wy,qdd_0.wz,qdd_1,qdd_2";
 
 #[test]
-fn regressor_reads_states_by_name_and_by_number() {
+fn regressor_reads_states_by_name() {
     let folder = Folder::new("floating-states");
-    let header = HEADER
-        .replace("q_1,q_9", "q_8,q_9")
-        .replace("qd_1,", "qd_7,");
+    let header = HEADER;
     let states = format!(
         "{header}\n0,0,0,0,0,0.6,0.8,1,2,{}\n",
         ["0.5"; 16].join(",")
@@ -64,7 +61,7 @@ fn regressor_reads_states_by_name_and_by_number() {
     let run = roberval(&["regressor", "two_link", &named, "--floating", "-o", "-"]);
     assert_eq!(run.code, 2);
     assert!(
-        run.err.contains("every coordinate, and there is no q_7"),
+        run.err.contains("every coordinate, and there is no q_0.qw"),
         "{}",
         run.err
     );

@@ -116,11 +116,29 @@ fn syntax(source: &Source, error: &toml_edit::TomlError) -> FormatError {
         Code::Toml
     };
     let offset = error.span().map_or(0, |span| span.start);
-    let error = source.error(code, offset, what);
+    let mut error = source.error(code, offset, what);
+    if let Some(place) = unread_place(&source.text[..offset]) {
+        error = error.place(place);
+    }
+    if code == Code::NotFinite {
+        error = error.hint("the largest number is 1.797e308");
+    }
     if source.text.trim_start().starts_with('<') {
         return error.hint("this looks like XML, not TOML: name the file .urdf if it is a URDF");
     }
     error
+}
+
+/// The link and the key before a place that the TOML reader does not understand.
+fn unread_place(before: &str) -> Option<String> {
+    let (key, _) = before.lines().last()?.split_once('=')?;
+    let header = |line: &str| line.trim().starts_with("[[link]]");
+    let links = before.lines().filter(|line| header(line)).count();
+    let last = before.lines().rfind(|line| line.trim().starts_with('['));
+    Some(match last {
+        Some(line) if header(line) => format!("link {links}, {}", key.trim()),
+        _ => key.trim().to_owned(),
+    })
 }
 
 fn constants(robot: &Section) -> Result<Vec<(String, Quantity)>, FormatError> {
