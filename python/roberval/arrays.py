@@ -33,7 +33,7 @@ def numbers(name: str, value: npt.ArrayLike) -> Array:
 
 
 class States(NamedTuple):
-    """Joint states, each (N, n), and what stands before n in the caller's shape."""
+    """States, q (N, nq), qd and qdd (N, n), and what stands before n in the caller's shape."""
 
     q: Array
     qd: Array
@@ -41,19 +41,21 @@ class States(NamedTuple):
     lead: tuple[int, ...]
 
 
-def states(q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike, n: int) -> States:
-    """Return q, qd and qdd, all of one shape, (n,) or (N, n)."""
+def states(q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike, nq: int, n: int) -> States:
+    """Return q, (nq,) or (N, nq), qd and qdd, (n,) or (N, n)."""
     arrays = [numbers("q", q), numbers("qd", qd), numbers("qdd", qdd)]
-    for name, array in zip(("q", "qd", "qdd"), arrays, strict=True):
-        if array.ndim not in (1, 2) or array.shape[-1] != n:
+    joints = f"{n} moving joints" if nq == n else f"{n - 6} moving joints and a floating base"
+    for name, array, width in zip(("q", "qd", "qdd"), arrays, (nq, n, n), strict=True):
+        if array.ndim not in (1, 2) or array.shape[-1] != width:
             raise ShapeError(
-                f"{name} has shape {array.shape}, expected ({n},) for one state "
-                f"or (N, {n}) for N states: the robot has {n} moving joints"
+                f"{name} has shape {array.shape}, expected ({width},) for one state "
+                f"or (N, {width}) for N states: the robot has {joints}"
             )
-        if array.shape != arrays[0].shape:
+        if array.shape[:-1] != arrays[0].shape[:-1]:
             raise ShapeError(
                 f"{name} has shape {array.shape} and q has {arrays[0].shape}: "
                 "q, qd and qdd must have one shape"
+                + ("" if nq == n else " but for the last number of q")
             )
     q, qd, qdd = (np.atleast_2d(array) for array in arrays)
     return States(q, qd, qdd, arrays[0].shape[:-1])

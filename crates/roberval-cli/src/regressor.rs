@@ -108,7 +108,7 @@ impl Rows<'_> {
     }
 
     fn fill(&self, from: usize, to: usize, numbers: &mut [f64]) -> Result<(), RegressorError> {
-        let states = self.states.slice(from, to, self.mechanism.independent());
+        let states = self.states.slice(from, to, self.mechanism);
         if self.columns.len() == self.regressor.parameters().len() {
             return self.regressor.fill(self.model, states, numbers);
         }

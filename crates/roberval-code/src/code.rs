@@ -25,6 +25,9 @@ pub enum CodeError {
     /// Friction was asked of something else than tau.
     #[error("friction is a part of tau only, not of {}", .0.name())]
     Friction(What),
+    /// The base floats.
+    #[error("code is written for a base that stands still, not for one that floats")]
+    Floating,
 }
 
 /// Straight-line code of one model of a robot.
@@ -61,6 +64,9 @@ impl Code {
         let what = request.what;
         if request.friction && what != What::Tau {
             return Err(CodeError::Friction(what));
+        }
+        if mechanism.is_floating() {
+            return Err(CodeError::Floating);
         }
         let program = record(mechanism, what, request.columns, request.friction);
         let (prepare, main) = match program.divided() {

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use num_traits::Zero;
 use roberval_scalar::{Expr, LinearInPi, Quantity};
 
-use crate::{CoupleError, JointKind, RobotDescription};
+use crate::{CoupleError, RobotDescription};
 
 /// q = F(qa): how the n joint variables of the tree follow from m independent ones.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,10 +57,8 @@ impl Closure {
                 Ok(known)
             },
         )?;
-        let moving = order
-            .iter()
-            .filter(|l| robot.links[**l].joint != JointKind::Fixed);
-        let moving: Vec<usize> = moving.copied().collect();
+        let variables = |&l: &usize| std::iter::repeat_n(l, robot.links[l].joint.dof());
+        let moving: Vec<usize> = order.iter().flat_map(variables).collect();
         let mut place = HashMap::new();
         let mut independent = Vec::new();
         for (variable, link) in moving.iter().enumerate() {
@@ -69,12 +67,13 @@ impl Closure {
                 independent.push(variable);
             }
         }
+        let mut places = 0..independent.len();
         let law = |link: &usize| match resolved.get(link) {
-            None => VariableLaw::Independent(place[link]),
-            Some(sum) => VariableLaw::Affine(sum.law(&place)),
+            None => places.next().map(VariableLaw::Independent),
+            Some(sum) => Some(VariableLaw::Affine(sum.law(&place))),
         };
         Ok(Some(Self {
-            laws: moving.iter().map(law).collect(),
+            laws: moving.iter().filter_map(law).collect(),
             independent,
         }))
     }
@@ -119,9 +118,10 @@ impl<'d> Couples<'d> {
                 name: name.to_owned(),
             };
             let link = *links.get(name).ok_or_else(unknown)?;
-            if robot.links[link].joint == JointKind::Fixed {
+            let kind = robot.links[link].joint;
+            if !kind.has_axis() {
                 let name = robot.joint_label(link).to_owned();
-                return Err(CoupleError::Fixed { couple, name });
+                return Err(CoupleError::NoAxis { couple, name, kind });
             }
             Ok(link)
         };

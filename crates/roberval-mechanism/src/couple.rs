@@ -1,5 +1,7 @@
 use roberval_scalar::Quantity;
 
+use crate::JointKind;
+
 /// A joint whose variable follows from others': q = sum of multiplier * q(term) + offset,
 /// a gear, a parallelogram or a URDF `mimic`.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,13 +34,15 @@ pub enum CoupleError {
         /// The name that no joint has.
         name: String,
     },
-    /// A couple names a fixed joint.
-    #[error("a couple names the joint {name:?}, which is fixed: couple joints that move")]
-    Fixed {
+    /// A couple names a joint that is fixed or floats.
+    #[error("a couple names the joint {name:?}, which is {}: couple joints with an axis", kind.name())]
+    NoAxis {
         /// The couple.
         couple: usize,
-        /// The fixed joint.
+        /// The joint.
         name: String,
+        /// What it is.
+        kind: JointKind,
     },
     /// Two couples determine one joint.
     #[error("the joint {name:?} has two couples (numbers {} and {})", first + 1, couple + 1)]
@@ -90,7 +94,7 @@ impl CoupleError {
     pub fn couple(&self) -> usize {
         match self {
             Self::Unknown { couple, .. }
-            | Self::Fixed { couple, .. }
+            | Self::NoAxis { couple, .. }
             | Self::Twice { couple, .. }
             | Self::Still { couple, .. }
             | Self::Cycle { couple, .. }

@@ -2,7 +2,7 @@ use roberval_mechanism::JointKind;
 use roberval_scalar::Scalar;
 
 use crate::vector::{Mat3, Vec3, add, apply, apply_transposed, cross, dot, scale};
-use crate::{Body, Constants, JointMotion, Sink, Tree};
+use crate::{BaseState, Body, Constants, JointMotion, Sink, Tree};
 
 /// How a body moves, in its own frame.
 #[derive(Debug, Clone, Copy)]
@@ -57,13 +57,26 @@ impl<T: Scalar> DynamicsWorkspace<T> {
             base,
         }
     }
+
+    /// Where the base of a floating robot is and how it moves from now on.
+    pub fn move_base(&mut self, tree: &Tree<T>, base: &BaseState<T>) {
+        let (w, dw) = (base.w, base.dw);
+        self.base = BodyState {
+            w,
+            dw,
+            a: base.acceleration(tree),
+            u: acceleration_field(w, dw),
+        };
+    }
 }
 
 /// The rows of the dynamic model d at one state (Gautier 1991, eq. (5)), or of d0 if
 /// all velocities are zero (eq. (8)): `sink` receives, link by link, the ten inertial
 /// columns' entries on every row of the path to the base, then the rotor's.
 ///
-/// `motion` has one entry a body (that of a fixed joint is not looked at).
+/// `motion` has one entry a body (that of a fixed joint is not looked at); the base of a
+/// floating robot is where [`DynamicsWorkspace::move_base`] put it last. Its rows are the
+/// wrench on it, force before moment, in its own frame.
 pub fn dynamics<T: Scalar>(
     tree: &Tree<T>,
     motion: &[JointMotion<T>],
@@ -77,10 +90,18 @@ pub fn dynamics<T: Scalar>(
         let parent = body
             .antecedent
             .map_or(workspace.base, |a| workspace.states[a]);
-        let (rotation, origin) = body.placement(motion);
-        let state = forward(body, motion, &parent, &rotation, origin);
+        let state = if body.joint == JointKind::Floating {
+            unit_screws(tree.constants, workspace);
+            parent
+        } else {
+            let (rotation, origin) = body.placement(motion);
+            carry_screws(body, &rotation, origin, tree.constants, workspace);
+            forward(body, motion, &parent, &rotation, origin)
+        };
         workspace.states.push(state);
-        carry_screws(body, &rotation, origin, tree.constants, workspace);
+        if body.massless {
+            continue;
+        }
         let (first, count) = workspace.spans[j];
         for screw in &workspace.screws[first..first + count] {
             sink.link(j, screw.row, project(screw, &state));
@@ -113,7 +134,7 @@ fn forward<T: Scalar>(
             let coriolis = cross(w, velocity);
             a = add(add(a, add(coriolis, coriolis)), acceleration);
         }
-        JointKind::Fixed => {}
+        JointKind::Fixed | JointKind::Floating => {}
     }
     BodyState {
         w,
@@ -133,6 +154,23 @@ pub(crate) fn acceleration_field<T: Scalar>(w: Vec3<T>, dw: Vec3<T>) -> Mat3<T> 
         [xy + dw[2], -(xx + zz), yz - dw[0]],
         [xz - dw[1], yz + dw[0], -(xx + yy)],
     ]
+}
+
+/// The six unit velocities of a base that floats, along and about its axes.
+fn unit_screws<T: Scalar>(constants: Constants<T>, workspace: &mut DynamicsWorkspace<T>) {
+    let Constants { zero, one, .. } = constants;
+    let still = [zero; 3];
+    for row in 0..6 {
+        let mut unit = still;
+        unit[row % 3] = one;
+        let (e, v) = if row < 3 {
+            (still, unit)
+        } else {
+            (unit, still)
+        };
+        workspace.screws.push(Screw { row, e, v });
+    }
+    workspace.spans.push((0, 6));
 }
 
 /// Brings the antecedent's screws into this body's frame and adds the joint's own.

@@ -2,7 +2,7 @@ use roberval_mechanism::JointKind;
 use roberval_scalar::Scalar;
 
 use crate::vector::{Mat3, Vec3, add, apply_transposed, cross, dot, scale};
-use crate::{Body, JointMotion, Sink, Tree};
+use crate::{BaseState, Body, JointMotion, Sink, Tree};
 
 /// What the energy of a body needs, in the body's frame.
 #[derive(Debug, Clone, Copy)]
@@ -39,10 +39,21 @@ impl<T: Scalar> EnergyWorkspace<T> {
             },
         }
     }
+
+    /// Where the base of a floating robot is and how it moves from now on.
+    pub fn move_base(&mut self, tree: &Tree<T>, base: &BaseState<T>) {
+        self.base = BodyState {
+            w: base.w,
+            v: base.v,
+            g: base.gravity(tree),
+            height: base.height(tree),
+        };
+    }
 }
 
 /// The energy row h at one state (Gautier 1991, eq. (10)): `sink` receives it as row 0,
-/// link by link. Only differences of h between states mean anything.
+/// link by link. Only differences of h between states mean anything. The base of a floating
+/// robot is where [`EnergyWorkspace::move_base`] put it last.
 pub fn energy<T: Scalar>(
     tree: &Tree<T>,
     motion: &[JointMotion<T>],
@@ -55,9 +66,16 @@ pub fn energy<T: Scalar>(
         let parent = body
             .antecedent
             .map_or(workspace.base, |a| workspace.states[a]);
-        let (rotation, origin) = body.placement(motion);
-        let state = forward(body, motion, &parent, &rotation, origin);
+        let state = if body.joint == JointKind::Floating {
+            parent
+        } else {
+            let (rotation, origin) = body.placement(motion);
+            forward(body, motion, &parent, &rotation, origin)
+        };
         workspace.states.push(state);
+        if body.massless {
+            continue;
+        }
         sink.link(j, 0, link_energy(&state, half));
         if body.rotor {
             sink.rotor(j, 0, half * motion.qd * motion.qd * body.axis_squared);
@@ -79,7 +97,7 @@ fn forward<T: Scalar>(
     match body.joint {
         JointKind::Revolute => w = add(w, velocity),
         JointKind::Prismatic => v = add(v, velocity),
-        JointKind::Fixed => {}
+        JointKind::Fixed | JointKind::Floating => {}
     }
     BodyState {
         w,

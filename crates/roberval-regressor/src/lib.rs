@@ -9,6 +9,7 @@
 //!   [`Projected`]: rows for the independent ones.
 //! * [`Regressor`]: all of it for floats, over many samples.
 
+mod base;
 mod batch;
 mod dynamics;
 mod energy;
@@ -22,6 +23,7 @@ mod transmission;
 mod tree;
 mod vector;
 
+pub use base::BaseState;
 pub use batch::{Model, Regressor, RegressorError, States};
 pub use dynamics::{DynamicsWorkspace, dynamics};
 pub use energy::{EnergyWorkspace, energy};

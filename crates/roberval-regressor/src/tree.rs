@@ -1,4 +1,4 @@
-use roberval_mechanism::{JointKind, Link, Mechanism};
+use roberval_mechanism::{JointKind, Mechanism};
 use roberval_scalar::{Magnitude, Scalar};
 
 use crate::JointMotion;
@@ -24,7 +24,7 @@ pub struct Tree<T> {
     pub gravity: Vec3<T>,
     /// 0, 1 and 1/2.
     pub constants: Constants<T>,
-    /// Number of joint variables n.
+    /// Number of degrees of freedom n: rows of d.
     pub dof: usize,
 }
 
@@ -35,10 +35,13 @@ pub struct Body<T> {
     pub antecedent: Option<usize>,
     /// What the joint allows.
     pub joint: JointKind,
-    /// Index of the joint variable; `None` for a fixed joint.
+    /// Index of the joint's velocity; `None` for a fixed joint. The six of a floating base
+    /// are the first.
     pub variable: Option<usize>,
     /// Whether there is an Ia column.
     pub rotor: bool,
+    /// Whether there are no columns at all.
+    pub massless: bool,
     /// Rotation from this frame to the antecedent's at joint variable 0.
     pub rotation: Mat3<T>,
     /// Origin of this frame in the antecedent's at joint variable 0.
@@ -63,18 +66,34 @@ impl<T: Scalar> Body<T> {
                 let shift = apply(&self.rotation, scale(self.axis, motion.q));
                 (self.rotation, add(self.origin, shift))
             }
-            JointKind::Fixed => (self.rotation, self.origin),
+            JointKind::Fixed | JointKind::Floating => (self.rotation, self.origin),
         }
     }
 }
 
+impl<T> Tree<T> {
+    /// Whether the first body is a base that floats.
+    #[must_use]
+    pub fn is_floating(&self) -> bool {
+        let first = self.bodies.first();
+        first.is_some_and(|b| b.joint == JointKind::Floating)
+    }
+
+    /// Of the coordinates of a position, the one of each variable. A floating base has seven
+    /// coordinates and six variables: all joints stand one place further, and what stands
+    /// in its own six places means nothing.
+    pub(crate) fn variables<'q, S>(&self, q: &'q [S]) -> &'q [S] {
+        &q[usize::from(self.is_floating())..]
+    }
+}
+
 impl<T: Scalar> Tree<T> {
-    /// The number of bodies between the base and each body, itself included: an upper
-    /// bound of the rows that its columns occupy.
+    /// The number of bodies between the base and each body, itself included and a floating
+    /// base counting six times: an upper bound of the rows that its columns occupy.
     pub(crate) fn depths(&self) -> Vec<usize> {
         let mut depths = Vec::with_capacity(self.bodies.len());
         for body in &self.bodies {
-            depths.push(1 + body.antecedent.map_or(0, |a| depths[a]));
+            depths.push(body.joint.dof().max(1) + body.antecedent.map_or(0, |a| depths[a]));
         }
         depths
     }
@@ -91,6 +110,7 @@ impl<T: Scalar> Tree<T> {
                     joint: b.joint,
                     variable: b.variable,
                     rotor: b.rotor,
+                    massless: b.massless,
                     rotation: b.rotation.map(|row| vector(&row)),
                     origin: vector(&b.origin),
                     axis: vector(&b.axis),
@@ -119,8 +139,9 @@ impl Tree<f64> {
             .map(|link| Body {
                 antecedent: link.antecedent,
                 joint: link.joint,
-                variable: next_variable(link, &mut dof),
+                variable: next_variable(link.joint, &mut dof),
                 rotor: link.rotor,
+                massless: link.massless,
                 rotation: std::array::from_fn(|i| std::array::from_fn(|j| link.rotation[(i, j)])),
                 origin: link.origin.into(),
                 axis: link.axis.into(),
@@ -146,9 +167,9 @@ impl Tree<f64> {
     }
 }
 
-fn next_variable(link: &Link, dof: &mut usize) -> Option<usize> {
-    (link.joint != JointKind::Fixed).then(|| {
-        *dof += 1;
-        *dof - 1
-    })
+/// The first coordinate of a joint, `dof` being the number of those before it.
+pub(crate) fn next_variable(joint: JointKind, dof: &mut usize) -> Option<usize> {
+    let first = *dof;
+    *dof += joint.dof();
+    (joint != JointKind::Fixed).then_some(first)
 }

@@ -119,7 +119,7 @@ impl Array<'_> {
 /// The states that a function takes, with their values.
 fn states(case: &Case) -> Vec<Array<'_>> {
     let value = |name: &&'static str| Array {
-        name: *name,
+        name,
         values: match *name {
             "q" => &case.q,
             "qd" => &case.qd,

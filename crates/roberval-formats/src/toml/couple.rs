@@ -110,7 +110,7 @@ fn refused(
                 None => error.hint("write the name of the link that the joint moves"),
             }
         }
-        CoupleError::Fixed { name, .. } => at(Code::Contradiction, joint(name)),
+        CoupleError::NoAxis { name, .. } => at(Code::Contradiction, joint(name)),
         CoupleError::Twice { first, .. } => {
             let line = source.position(tables[*first].1).line;
             at(Code::Contradiction, "joint").hint(format!("the other one begins in line {line}"))
