@@ -243,6 +243,21 @@ def test_states_of_a_floating_robot_have_their_shapes() -> None:
         robot.torques(q, qd, qdd)
 
 
+def test_a_free_joint_of_mujoco_and_a_free_flyer_of_pinocchio_float() -> None:
+    mujoco = pytest.importorskip("mujoco", reason="pip install roberval[peers]")
+    pin = pytest.importorskip("pinocchio", reason="pip install roberval[peers]")
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco><worldbody><body name='hull'><freejoint/><geom size='.1' mass='3'/>
+        <body name='fin' pos='.1 .2 .3'><joint name='hinge' axis='0 1 0' armature='.2'/>
+        <geom size='.1' pos='.3 .1 0' mass='2'/></body></body></worldbody></mujoco>"""
+    )
+    for robot in (rv.Robot.from_mujoco(model), rv.Robot.from_pinocchio(pin.buildModelFromXML(FREE))):
+        assert robot.is_floating
+        assert robot.velocities[0] == "hull.vx"
+        assert robot.base_parameters().rank == 10 + 7 + 1
+        assert robot.X is not None
+
+
 def test_samples_that_scale_have_attitudes_and_give_the_same_base() -> None:
     robot = from_urdf(FREE)
     scaling = robot.scale("d", rounds=0, starts=20)

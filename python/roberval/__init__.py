@@ -11,7 +11,7 @@ from ._core import __version__
 from .base import BaseParameters, Comparison, Relations, Route
 from .code import Code, Compiled, Count
 from .conventions import Convention, ParameterOrder, convention
-from .diagnosis import Blame, Diagnosis, Literal, Structure, Witness
+from .diagnosis import Blame, Diagnosis, Literal, Precision, Structure, Witness
 from .errors import (
     ArrayError,
     DoubtfulRankWarning,
@@ -27,9 +27,9 @@ from .errors import (
 )
 from .exact import Exact, Surd
 from .linting import Finding, lint
-from .loading import CatalogueEntry, catalogue, load
+from .loading import CatalogueEntry, Cleaned, catalogue, clean_file, load
 from .options import Choice, Engine, Model, Number, Snap
-from .robot import Link, Robot
+from .robot import Link, Loop, Robot
 from .scaling import Grade, Scaling
 from .symbolic import SymbolicRelations
 
@@ -39,6 +39,7 @@ __all__ = [
     "Blame",
     "CatalogueEntry",
     "Choice",
+    "Cleaned",
     "Code",
     "Comparison",
     "Compiled",
@@ -53,12 +54,14 @@ __all__ = [
     "InternalError",
     "Link",
     "Literal",
+    "Loop",
     "MissingPackageError",
     "Model",
     "Number",
     "NumericalError",
     "OptionError",
     "ParameterOrder",
+    "Precision",
     "Relations",
     "RobervalError",
     "Robot",
@@ -75,6 +78,7 @@ __all__ = [
     "Witness",
     "__version__",
     "catalogue",
+    "clean_file",
     "convention",
     "lint",
     "load",

@@ -33,6 +33,38 @@ class Structure:
 
 
 @dataclass(frozen=True)
+class Precision:
+    """How high-precision floats decided: where loops have no exact decision.
+
+    Attributes
+    ----------
+    rank : int
+        b.
+    tolerance : float
+        What counts as zero, relative to the column.
+    smallest_kept, largest_dropped : float or None
+        What is nearest to the tolerance on either side; None if nothing is there.
+    samples, redrawn : int
+        Samples used, and configurations of loops that were drawn again: they were singular
+        or on another branch.
+    """
+
+    rank: int
+    tolerance: float
+    smallest_kept: float | None
+    largest_dropped: float | None
+    samples: int
+    redrawn: int
+
+    @property
+    def gap(self) -> float | None:
+        """Smallest kept over largest dropped value; None if nothing is on one side."""
+        if not self.smallest_kept or not self.largest_dropped:
+            return None
+        return self.smallest_kept / self.largest_dropped
+
+
+@dataclass(frozen=True)
 class Witness:
     """What a float engine makes of the robot that the exact engine decided.
 
@@ -107,6 +139,8 @@ class Diagnosis:
         What the user should know.
     structure : Structure or None
         How the exact engine decided; None for the float engines.
+    precision : Precision or None
+        How high-precision floats decided; None if another engine did.
     witnesses : tuple of Witness
         What the float engines make of what the exact one decided.
     literal : Literal or None
@@ -121,6 +155,7 @@ class Diagnosis:
     residual: float
     messages: tuple[str, ...]
     structure: Structure | None
+    precision: Precision | None
     witnesses: tuple[Witness, ...]
     literal: Literal | None
 
@@ -137,6 +172,7 @@ class Diagnosis:
             residual=core.residual,
             messages=tuple(core.messages),
             structure=_structure(core),
+            precision=_precision(core),
             witnesses=tuple(
                 Witness(engine, rank, gap, at, tuple(spectrum), tolerance)
                 for engine, rank, gap, at, spectrum, tolerance in core.witnesses
@@ -150,6 +186,13 @@ def _structure(core: _core.Answer) -> Structure | None:
         return None
     rank, primes, seeds, probability, generic = core.structure
     return Structure(rank, tuple(primes), tuple(seeds), probability, tuple(generic))
+
+
+def _precision(core: _core.Answer) -> Precision | None:
+    if core.precision is None:
+        return None
+    rank, tolerance, (kept, dropped), samples, redrawn = core.precision
+    return Precision(rank, tolerance, kept, dropped, samples, redrawn)
 
 
 def _literal(core: _core.Answer) -> Literal | None:

@@ -24,6 +24,21 @@ if TYPE_CHECKING:
     from .importers import Text
 
 
+class Loop(NamedTuple):
+    """A joint that was cut to make a tree of the links.
+
+    Attributes
+    ----------
+    between : tuple of two str
+        The two links; ``"base"`` is the base.
+    cut : str
+        ``"revolute"``, ``"spherical"``, ``"fixed"``, ``"prismatic"`` or ``"universal"``.
+    """
+
+    between: tuple[str, str]
+    cut: str
+
+
 class Link(NamedTuple):
     """One link and the joint that moves it.
 
@@ -214,7 +229,7 @@ class Robot(Rendered):
 
         The frame of a link lies at its joint, in the axes of its body. A body with several
         joints becomes several links, the first ones without mass; ball joints become three
-        hinges. Equality constraints of two joints become couples; what is not applied is
+        hinges; a free joint makes a base that floats if all others are on it. Equality constraints of two joints become couples; what is not applied is
         warned of. Joint variables are 0 where the model has ``qpos0``.
 
         Parameters
@@ -355,6 +370,20 @@ class Robot(Rendered):
     def joints(self) -> tuple[str, ...]:
         """Names of the independent joints in the order of q; of their links if they have none."""
         return self.velocities[6 if self.is_floating else 0 :]
+
+    @property
+    def loops(self) -> tuple[Loop, ...]:
+        """The loops that are closed by joints which were cut."""
+        return tuple(Loop((sides[0], sides[1]), cut) for sides, cut in self._inner.loops)
+
+    @property
+    def closed(self) -> Array | None:
+        """Variables of all joints of the tree where the loops are closed: they name the branch.
+
+        None for a robot without loops.
+        """
+        closed = self._inner.closed
+        return None if closed is None else np.array(closed)
 
     @property
     def is_floating(self) -> bool:
@@ -584,6 +613,39 @@ class Robot(Rendered):
                 )
         return arrays.vector("X", X, self._labels)
 
+    def expand(
+        self, q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike
+    ) -> tuple[Array, Array, Array]:
+        """Return the states of all joints of the tree, those that follow others included.
+
+        Parameters
+        ----------
+        q, qd, qdd : array_like, shape (n,) or (N, n)
+            States of the independent joints. Passive joints of loops are found on the branch
+            of `closed`, one state after the other.
+
+        Returns
+        -------
+        q, qd, qdd : ndarray, shape (tree joints,) or (N, tree joints)
+            In the order of the links that move.
+
+        Raises
+        ------
+        ShapeError, ArrayError
+            An argument is not usable, or the loops cannot be closed at a state.
+
+        Examples
+        --------
+        >>> import roberval as rv
+        >>> q, qd, qdd = rv.load("four_bar").expand([1.0], [1.0], [0.0])
+        >>> q.shape
+        (3,)
+        """
+        states = arrays.states(q, qd, qdd, self.nq, self.n)
+        rows = self._inner.expand(states.q, states.qd, states.qdd)
+        positions, velocities, accelerations = (x.reshape(*states.lead, -1) for x in rows)
+        return positions, velocities, accelerations
+
     def base_parameters(
         self,
         model: Model = "d",
@@ -603,8 +665,9 @@ class Robot(Rendered):
         ----------
         model : {"d", "d0", "h"}
             The model whose columns are analysed; all give the same answer.
-        engine : {"exact", "qr", "qrii", "svd"}
-            Elimination modulo primes, which needs no tolerance (the default); QR without
+        engine : {"exact", "precise", "qr", "qrii", "svd"}
+            Elimination modulo primes, which needs no tolerance (the default; for loops it
+            becomes precise); the same in high-precision floats; QR without
             pivoting (Gautier 1991, eq. (13)), QR with column pivoting (eq. (14)) or SVD
             (eq. (21)-(27)). All give the same answer.
         choice : {"paper", "pivoted", "prefer"}

@@ -174,6 +174,23 @@ fn spatial_loops_have_one_count_by_all_models_and_seeds() {
 }
 
 #[test]
+fn a_delta_robot_whose_platform_keeps_its_orientation_has_fewer_base_parameters() {
+    // The same loops have a branch on which the platform turns: 51.
+    let text = include_str!("../../roberval-formats/catalogue/delta.toml");
+    let (c, b, _) = counts(text, &[Engine::Exact]);
+    assert_eq!((c, b), (59, 38));
+    let robot = mechanism(text);
+    let answer = answer(&robot, Model::D, Engine::Exact, 9);
+    let labels = answer.labels(&answer.no_effect);
+    let inertia = ["XX", "XY", "XZ", "YY", "YZ", "ZZ", "MX", "MY", "MZ"];
+    assert!(
+        inertia
+            .iter()
+            .all(|kind| labels.contains(&format!("{kind}_platform").as_str()))
+    );
+}
+
+#[test]
 fn a_stewart_platform_is_led_by_its_six_legs_and_d_and_h_agree() {
     let robot = mechanism(&stewart());
     let joints = robot.independent_joints();

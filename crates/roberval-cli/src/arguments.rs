@@ -268,7 +268,7 @@ pub(crate) struct ScaleArgs {
     #[arg(long, default_value = "h", value_parser = model())]
     pub model: Model,
     /// Names the random starts: the same seed, the same samples
-    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     pub seed: u64,
     /// Rows of W [default: its columns]
     #[arg(long, value_name = "R", value_parser = rows, allow_negative_numbers = true)]
@@ -343,7 +343,7 @@ pub(crate) struct MethodArgs {
 #[derive(Debug, Clone, Args)]
 pub(crate) struct ChoiceArgs {
     /// Names the random samples: the same seed, the same answer
-    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     pub seed: u64,
     /// Which parameters to keep: those of smallest subscript (paper), the best
     /// conditioned (pivoted), or those preferred by --keep and --drop [default: paper]
@@ -362,6 +362,7 @@ pub(crate) struct ChoiceArgs {
         value_name = "EPS",
         num_args = 0..=1,
         require_equals = true,
+        value_parser = eps,
         default_missing_value = "2.220446049250313e-16"
     )]
     pub paper_tolerance: Option<f64>,
@@ -472,6 +473,16 @@ fn rows(text: &str) -> Result<usize, String> {
         Ok(0) | Err(_) => Err("expected a whole number of rows, at least 1".to_owned()),
         Ok(rows) => Ok(rows),
     }
+}
+
+fn seed(text: &str) -> Result<u64, String> {
+    let hint = |_| format!("expected a whole number from 0 to {}", u64::MAX);
+    text.parse().map_err(hint)
+}
+
+/// What one rounding costs.
+fn eps(text: &str) -> Result<f64, String> {
+    positive(text).map_err(|expected| format!("{expected}, such as 2.2e-16 for doubles"))
 }
 
 /// A number above zero.

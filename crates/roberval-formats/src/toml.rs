@@ -38,6 +38,7 @@ const LINK_KEYS: &[&str] = &[
     "joint",
     "active",
     "rotor",
+    "massless",
     "gamma",
     "b",
     "alpha",
@@ -115,11 +116,29 @@ fn syntax(source: &Source, error: &toml_edit::TomlError) -> FormatError {
         Code::Toml
     };
     let offset = error.span().map_or(0, |span| span.start);
-    let error = source.error(code, offset, what);
+    let mut error = source.error(code, offset, what);
+    if let Some(place) = unread_place(&source.text[..offset]) {
+        error = error.place(place);
+    }
+    if code == Code::NotFinite {
+        error = error.hint("the largest number is 1.797e308");
+    }
     if source.text.trim_start().starts_with('<') {
         return error.hint("this looks like XML, not TOML: name the file .urdf if it is a URDF");
     }
     error
+}
+
+/// The link and the key before a place that the TOML reader does not understand.
+fn unread_place(before: &str) -> Option<String> {
+    let (key, _) = before.lines().last()?.split_once('=')?;
+    let header = |line: &str| line.trim().starts_with("[[link]]");
+    let links = before.lines().filter(|line| header(line)).count();
+    let last = before.lines().rfind(|line| line.trim().starts_with('['));
+    Some(match last {
+        Some(line) if header(line) => format!("link {links}, {}", key.trim()),
+        _ => key.trim().to_owned(),
+    })
 }
 
 fn constants(robot: &Section) -> Result<Vec<(String, Quantity)>, FormatError> {
@@ -219,13 +238,22 @@ fn link(
     let has_axis = joint.has_axis();
     let driven = has_axis && !dependent.contains(&name);
     let active = section.boolean("active")?.unwrap_or(driven);
-    let rotor = section.boolean("rotor")?.unwrap_or(active && has_axis);
-    for (key, value) in [("active", active), ("rotor", rotor)] {
+    let massless = section.boolean("massless")?.unwrap_or(false);
+    let rotor = section
+        .boolean("rotor")?
+        .unwrap_or(active && has_axis && !massless);
+    for (key, value) in [("active", active), ("rotor", rotor), ("massless", massless)] {
         if value && !has_axis {
             let what = format!("a {} joint cannot have {key} = true", joint.name());
             return Err(section.fault(Code::Contradiction, key, what).hint(format!(
                 "leave {key} out, or make the joint revolute or prismatic"
             )));
+        }
+    }
+    for key in ["inertia", "rotor"] {
+        if massless && (key == "inertia" || rotor) && section.table.contains_key(key) {
+            let what = format!("a massless link has no {key}: it only stands between two motions");
+            return Err(section.fault(Code::Contradiction, key, what));
         }
     }
     let joint_name = section.name("joint_name")?;
@@ -239,7 +267,7 @@ fn link(
         joint,
         active,
         rotor,
-        massless: false,
+        massless,
         limits: None,
     })
 }
@@ -294,7 +322,7 @@ fn placement(
         rpy: vector("rpy", Quantity::parse_angle)?,
     };
     let axis = match section.vector("axis", Quantity::parse_number, constants)? {
-        Some(axis) if joint != JointKind::Fixed && axis.iter().all(|x| x.value == 0.0) => {
+        Some(axis) if joint.has_axis() && axis.iter().all(|x| x.value == 0.0) => {
             let what = "the joint axis is zero";
             return Err(section
                 .fault(Code::ZeroAxis, "axis", what)

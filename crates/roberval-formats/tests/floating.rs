@@ -96,8 +96,12 @@ fn a_planar_joint_is_three_joints_and_one_body() {
         panic!("a URDF")
     };
     assert_eq!(origins[0].xyz[2].value, 1.0);
+    let toml = to_toml(&robot).expect("written");
+    let again = parse_toml(&toml, "r.toml").expect("valid");
+    assert_eq!(names(&again), expected);
+    let columns = |robot| Mechanism::new(robot).expect("valid").parameters().len();
+    assert_eq!((columns(&robot), columns(&again)), (10 + 11, 10 + 11));
     let robot = Mechanism::new(&robot).expect("valid");
-    assert_eq!(robot.parameters().len(), 10 + 11);
     assert_eq!(robot.row_names(), ["free.x", "free.y", "free", "hinge"]);
 }
 
@@ -131,6 +135,13 @@ fn a_link_that_floats_must_carry_all_others() {
     assert!(matches!(on_link, MechanismError::FloatingOnLink { link, .. } if link == "b"));
     let beside = refused([link("a", "base", "floating"), link("b", "base", "revolute")]);
     assert!(matches!(beside, MechanismError::BesideFloating { link, .. } if link == "b"));
+    for wrong in ["inertia = { M = 1 }", "rotor = true"] {
+        let text = format!("[[link]]\nalpha = 0\nd = 0\nr = 0\nmassless = true\n{wrong}\n");
+        let error = parse_toml(&text, "r.toml")
+            .expect_err("refused")
+            .to_string();
+        assert!(error.contains("a massless link has no"), "{error}");
+    }
     let rotor = "[[link]]\njoint = \"floating\"\nrotor = true\n";
     let error = parse_toml(rotor, "r.toml")
         .expect_err("refused")

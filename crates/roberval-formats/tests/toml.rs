@@ -49,6 +49,8 @@ fn the_catalogue_has_the_robots_that_the_documentation_names() {
         ("ur5", 6),
         ("ur10", 6),
         ("torso", 9),
+        ("four_bar", 3),
+        ("delta", 11),
     ] {
         assert_eq!(joints(name), count, "{name}");
     }

@@ -222,7 +222,7 @@ impl LinkDescription {
                 r: zero(),
             })),
             SourceFormat::Urdf | SourceFormat::Placed => Geometry::Placed {
-                origins: Vec::new(),
+                origins: vec![Origin::here(FLOATING_BASE)],
                 axis: [zero(), zero(), zero()],
             },
         };
@@ -356,6 +356,17 @@ pub struct Origin {
 }
 
 impl Origin {
+    /// The placement that changes nothing.
+    #[must_use]
+    pub fn here(joint: &str) -> Self {
+        let zeros = || [(); 3].map(|()| Quantity::zero());
+        Self {
+            joint: joint.to_owned(),
+            xyz: zeros(),
+            rpy: zeros(),
+        }
+    }
+
     /// The placement in doubles: rotation R and position p, so that a point x of the
     /// placed frame is at R x + p.
     #[must_use]

@@ -107,12 +107,17 @@ impl Reading {
                 })?;
             }
         }
-        let policy = CleanPolicy {
-            mode: snap(py, &self.snap)?,
-            ..CleanPolicy::default()
-        };
+        let policy = policy(py, &self.snap)?;
         Mechanism::cleaned(&description, &policy).map_err(|error| error.into_python(py))
     }
+}
+
+/// How rounded numbers are treated.
+pub fn policy(py: Python<'_>, name: &str) -> PyResult<CleanPolicy> {
+    Ok(CleanPolicy {
+        mode: snap(py, name)?,
+        ..CleanPolicy::default()
+    })
 }
 
 fn snap(py: Python<'_>, name: &str) -> PyResult<CleanMode> {

@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use roberval_base::{base_parameters, base_parameters_at, compare};
 use roberval_formats::{
-    FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml, to_urdf,
+    self as formats, FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml, to_urdf,
 };
 use roberval_mechanism::{Mechanism, RobotDescription, SourceFormat};
 use roberval_regressor::Regressor;
@@ -277,6 +277,36 @@ impl Robot {
         })
     }
 
+    /// The states of all joints of the tree, N x n numbers each.
+    fn expand<'py>(
+        &self,
+        py: Python<'py>,
+        q: PyReadonlyArray2<'_, f64>,
+        qd: PyReadonlyArray2<'_, f64>,
+        qdd: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<Vec<Bound<'py, PyArray1<f64>>>> {
+        let samples = OwnedStates::copy(&q, &qd, &qdd)?.into_samples();
+        let all = detached(py, || self.regressor.expand(samples.states()))?;
+        Ok(all.into_iter().map(|x| PyArray1::from_vec(py, x)).collect())
+    }
+
+    /// The loops: their sides and the joint that was cut.
+    #[getter]
+    fn loops(&self) -> Vec<([String; 2], &'static str)> {
+        let loops = self.mechanism.description.loops.iter();
+        let side = |side: &Option<String>| side.clone().unwrap_or_else(|| "base".to_owned());
+        loops
+            .map(|l| (l.between.each_ref().map(side), l.cut.name()))
+            .collect()
+    }
+
+    /// A closed configuration of all joints, which names the branch.
+    #[getter]
+    fn closed(&self) -> Option<Vec<f64>> {
+        let assembly = self.mechanism.assembly.as_ref()?;
+        Some(assembly.start.clone())
+    }
+
     /// The base parameters, at random samples or at those given.
     #[pyo3(signature = (options, q=None, qd=None, qdd=None))]
     fn base_parameters(
@@ -339,6 +369,24 @@ impl Robot {
             None => &self.mechanism.description,
         }
     }
+}
+
+/// The text of a robot file with its rounded numbers set right; what was changed, and what
+/// was left alone, in sentences.
+#[pyfunction]
+pub fn clean_file(
+    py: Python<'_>,
+    path_or_name: &str,
+    snap: &str,
+) -> PyResult<(String, Vec<String>, Vec<String>)> {
+    let policy = options::policy(py, snap)?;
+    let (text, changes, near) = detached(py, || formats::clean_file(path_or_name, &policy))?;
+    let changed = changes.iter().filter(|change| !change.is_last_digit());
+    Ok((
+        text,
+        changed.map(ToString::to_string).collect(),
+        near.iter().map(ToString::to_string).collect(),
+    ))
 }
 
 /// Name, title and source of each built-in robot.

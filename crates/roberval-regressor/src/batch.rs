@@ -262,6 +262,42 @@ impl Regressor {
         Ok(())
     }
 
+    /// The states of all n joint variables of the tree, those included that follow others by
+    /// couples or loops: q, qd and qdd, N x n each. A floating base is left out.
+    ///
+    /// # Errors
+    /// [`RegressorError`] if an array has the wrong length, a state is not finite, or the
+    /// constraints have no value there.
+    pub fn expand(&self, states: States<'_>) -> Result<[Vec<f64>; 3], RegressorError> {
+        let m = self.independent();
+        let samples = states.check(self.positions(), m)?;
+        let mut all: [Vec<f64>; 3] = Default::default();
+        let mut expanded = self.expansion.as_ref().map(Expansion::states);
+        let positions = self.positions();
+        for sample in 0..samples {
+            let span = sample * m..(sample + 1) * m;
+            let q = &states.q[sample * positions..(sample + 1) * positions];
+            let state = [
+                self.tree.variables(q),
+                &states.qd[span.clone()],
+                &states.qdd[span],
+            ];
+            let joints = match (&self.expansion, &mut expanded) {
+                (Some(expansion), Some(expanded)) => {
+                    expansion
+                        .expand(state, expanded)
+                        .map_err(|error| RegressorError::NoValue { sample, error })?;
+                    [&expanded.q[..], &expanded.qd, &expanded.qdd]
+                }
+                _ => state,
+            };
+            all.iter_mut()
+                .zip(joints)
+                .for_each(|(all, x)| all.extend(x));
+        }
+        Ok(all)
+    }
+
     fn motions<'a>(&'a self, model: Model, states: States<'a>) -> Motions<'a> {
         Motions {
             tree: &self.tree,

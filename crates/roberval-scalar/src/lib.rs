@@ -4,6 +4,7 @@
 //!   source runs over floats, magnitudes (error bounds), finite fields and expressions.
 //! * [`Decimal`], [`Expr`], [`Quantity`]: numbers as the user wrote them, kept exactly.
 
+mod cancel;
 mod double_double;
 mod field;
 mod linear;
@@ -16,6 +17,7 @@ mod real;
 mod scalar;
 pub mod vector;
 
+pub use cancel::{Cancelled, cancellable, cancellation_point};
 pub use double_double::DoubleDouble;
 pub use field::{Fp, Modulus};
 pub use linear::LinearInPi;

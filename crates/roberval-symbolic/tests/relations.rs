@@ -237,6 +237,9 @@ fn all_lengths_get_names_on_request_and_where_there_are_none() {
 #[test]
 fn the_closed_form_rules_explain_the_catalogues_chains_and_trees() {
     for entry in roberval_formats::catalogue() {
+        if !built_in(entry.name).loops.is_empty() {
+            continue; // has no relations in symbols
+        }
         let answer = relations(&built_in(entry.name), &SymbolicOptions::default());
         let removed = answer.no_effect.len() + answer.regrouped.len();
         assert_eq!(answer.origins.len(), removed, "{}", entry.name);

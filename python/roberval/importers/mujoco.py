@@ -1,7 +1,7 @@
 """MuJoCo models.
 
 A body with several joints becomes several links, the first ones massless; a ball joint becomes
-three hinges; bodies without joints are lumped into their parents. The frame of a link lies at
+three hinges; a free joint makes a base that floats if all other joints are on it; bodies without joints are lumped into their parents. The frame of a link lies at
 its joint, in the axes of its body.
 """
 
@@ -89,6 +89,9 @@ class Reader:
         self.links: list[Link] = []
         self.by_joint: dict[int, Link] = {}
         self.warnings: list[str] = []
+        roots = {int(model.body_rootid[body]) for body in model.jnt_bodyid}
+        free = model.jnt_type == self.mujoco.mjtJoint.mjJNT_FREE
+        self.floats = len(roots) == 1 and bool(free.any())
         self.taken: set[str] = set()
         # The link that a body belongs to, and the body's frame on it.
         self.place: dict[int, tuple[Link | None, Array, Array]] = {
@@ -150,6 +153,8 @@ class Reader:
                 )
                 for ending, direction in zip(("_x", "_y", "_z"), np.eye(3), strict=True):
                     yield joint, "revolute", direction, anchor, ending
+            elif self.floats:
+                yield joint, "floating", axis, np.zeros(3), ""
             else:
                 self.warnings.append(
                     f"free joint {self.name('joint', joint)!r} of body"

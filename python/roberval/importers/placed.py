@@ -93,7 +93,8 @@ def toml(
         values = ", ".join(
             f"{kind} = {number(x)}" for kind, x in zip(KINDS, link.inertia, strict=True)
         )
-        rotor = f", Ia = {number(link.armature)}" if link.armature else ""
+        driven = link.joint != "floating" and link.armature
+        rotor = f", Ia = {number(link.armature)}" if driven else ""
         lines += [
             "",
             "[[link]]",

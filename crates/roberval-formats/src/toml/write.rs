@@ -58,12 +58,6 @@ fn link(text: &mut String, link: &LinkDescription, dependent: bool) -> Result<()
             quoted(&link.name)
         ));
     }
-    if link.massless {
-        return Err(format!(
-            "link {}: robot TOML has no massless links",
-            quoted(&link.name)
-        ));
-    }
     text.push_str("\n[[link]]\n");
     line(text, "name", &string(&link.name));
     let antecedent = link.antecedent.as_deref().unwrap_or(BASE);
@@ -72,7 +66,10 @@ fn link(text: &mut String, link: &LinkDescription, dependent: bool) -> Result<()
     if link.active != (link.joint.has_axis() && !dependent) {
         line(text, "active", &link.active.to_string());
     }
-    if link.rotor != (link.active && link.joint.has_axis()) {
+    if link.massless {
+        line(text, "massless", "true");
+    }
+    if link.rotor != (link.active && link.joint.has_axis() && !link.massless) {
         line(text, "rotor", &link.rotor.to_string());
     }
     if let Some(joint) = &link.joint_name {

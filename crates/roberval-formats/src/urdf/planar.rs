@@ -1,6 +1,6 @@
 //! A planar joint as three joints with an axis.
 
-use roberval_mechanism::{Geometry, JointKind, LinkDescription};
+use roberval_mechanism::{Geometry, JointKind, LinkDescription, Origin};
 use roberval_scalar::Quantity;
 
 type Axis = [Quantity; 3];
@@ -25,13 +25,14 @@ pub(super) fn chain(link: LinkDescription, normal: &Axis) -> [LinkDescription; 3
         limits: None,
     };
     let x = slide("x", link.antecedent.clone(), origins, u);
-    let y = slide("y", Some(x.name.clone()), Vec::new(), v);
+    let here = || vec![Origin::here(&joint)];
+    let y = slide("y", Some(x.name.clone()), here(), v);
     let turn = LinkDescription {
         antecedent: Some(y.name.clone()),
         active: false,
         rotor: false,
         geometry: Geometry::Placed {
-            origins: Vec::new(),
+            origins: here(),
             axis: normal.clone(),
         },
         ..link
@@ -39,7 +40,7 @@ pub(super) fn chain(link: LinkDescription, normal: &Axis) -> [LinkDescription; 3
     [x, y, turn]
 }
 
-fn origins(link: &LinkDescription) -> Vec<roberval_mechanism::Origin> {
+fn origins(link: &LinkDescription) -> Vec<Origin> {
     match &link.geometry {
         Geometry::Placed { origins, .. } => origins.clone(),
         Geometry::Mdh(_) => Vec::new(),
