@@ -1,10 +1,12 @@
 use roberval_mechanism::{JointKind, Mechanism, ParameterSpace};
-use roberval_scalar::{Magnitude, Scalar};
+use roberval_scalar::{Magnitude, Scalar, Width, dispatch};
 
+use crate::lanes::{BadTile, FillPacked, FillRows};
+use crate::packed::Export;
 use crate::sink::SelectedRows;
 use crate::{
-    DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion, Sink, Torques, Tree, dynamics,
-    energy,
+    DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion, PackedLayout, Sink, Torques, Tree,
+    dynamics, energy,
 };
 
 /// The three models, each linear in the parameters X.
@@ -81,16 +83,97 @@ pub enum RegressorError {
 pub struct Regressor {
     tree: Tree<f64>,
     space: ParameterSpace,
+    width: Width,
+    /// All columns of d and of h.
+    exports: [Export; 2],
 }
+
+/// Results of more bytes than this are written past the cache: they would not stay in it.
+const STREAM_BYTES: usize = 16 << 20;
 
 impl Regressor {
     /// The regressor of a mechanism.
     #[must_use]
     pub fn new(mechanism: &Mechanism) -> Self {
+        let tree = Tree::of(mechanism);
+        let space = mechanism.parameters();
+        let exports = [Model::D, Model::H].map(|model| {
+            let layout = PackedLayout::new(&tree, &space, model, 1);
+            Export::new(&layout, model.rows(tree.dof), space.len(), Some)
+        });
         Self {
-            tree: Tree::of(mechanism),
-            space: mechanism.parameters(),
+            tree,
+            space,
+            width: Width::best(),
+            exports,
         }
+    }
+
+    /// The same with lanes of this width, which the processor must have: batches then
+    /// differ in rounding only.
+    #[must_use]
+    pub fn with_width(mut self, width: Width) -> Self {
+        self.width = width;
+        self
+    }
+
+    /// Where the numbers of [`Regressor::fill_packed`] belong.
+    #[must_use]
+    pub fn packed_layout(&self, model: Model) -> PackedLayout {
+        PackedLayout::new(&self.tree, &self.space, model, self.width.lanes())
+    }
+
+    /// The nonzeros of all columns, in tiles: see [`PackedLayout`]. Fills `out`
+    /// ([`PackedLayout::len`] numbers).
+    ///
+    /// # Errors
+    /// [`RegressorError`] if an array has the wrong length or a state is not finite.
+    pub fn fill_packed(
+        &self,
+        model: Model,
+        states: States<'_>,
+        out: &mut [f64],
+    ) -> Result<(), RegressorError> {
+        let samples = states.count(self.dof())?;
+        let layout = self.packed_layout(model);
+        let shape = format!("{samples} samples in tiles of {}", layout.lanes());
+        check_length("out", layout.len(samples), out.len(), &shape)?;
+        let task = FillPacked {
+            tree: &self.tree,
+            model,
+            states,
+            samples,
+            slots: layout.entries().len(),
+            stream: size_of_val(out) > STREAM_BYTES,
+            out,
+        };
+        dispatch(self.width, task).map_err(|bad| states.fault(bad, self.dof()))
+    }
+
+    /// Fills `out` by lanes.
+    fn export(
+        &self,
+        model: Model,
+        states: States<'_>,
+        samples: usize,
+        export: &Export,
+        out: &mut [f64],
+    ) -> Result<(), RegressorError> {
+        let width = if samples < 2 {
+            self.width.min(Width::narrow())
+        } else {
+            self.width
+        };
+        let task = FillRows {
+            tree: &self.tree,
+            model,
+            states,
+            samples,
+            export,
+            stream: size_of_val(out) > STREAM_BYTES,
+            out,
+        };
+        dispatch(width, task).map_err(|bad| states.fault(bad, self.dof()))
     }
 
     /// Number of joint variables n.
@@ -115,8 +198,14 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(self.dof())?;
         let width = self.space.len();
+        if self.width > Width::Plain {
+            let samples = states.count(self.dof())?;
+            check_out(model, samples, self.dof(), width, out.len())?;
+            let export = &self.exports[usize::from(model == Model::H)];
+            return self.export(model, states, samples, export, out);
+        }
+        let samples = states.check(self.dof())?;
         check_out(model, samples, self.dof(), width, out.len())?;
         let mut motion = Vec::new();
         let mut rows = Rows::new(&self.tree, &self.space, None);
@@ -140,6 +229,15 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
+        if self.width > Width::Plain {
+            let samples = states.count(self.dof())?;
+            check_out(model, samples, self.dof(), columns.len(), out.len())?;
+            let layout = PackedLayout::new(&self.tree, &self.space, model, 1);
+            let places = places(columns, self.space.len());
+            let place = |column: usize| places[column].map(|place| place as usize);
+            let export = Export::new(&layout, model.rows(self.dof()), columns.len(), place);
+            return self.export(model, states, samples, &export, out);
+        }
         let samples = states.check(self.dof())?;
         check_out(model, samples, self.dof(), columns.len(), out.len())?;
         let mut motion = Vec::new();
@@ -224,12 +322,42 @@ pub struct States<'a> {
 }
 
 impl States<'_> {
-    /// The number of samples N.
-    fn check(&self, dof: usize) -> Result<usize, RegressorError> {
+    /// The number of samples N, if the lengths agree.
+    fn count(&self, dof: usize) -> Result<usize, RegressorError> {
         let samples = self.q.len() / dof;
-        let shape = format!("{samples} samples x {dof} joints");
         for (array, values) in [("q", self.q), ("qd", self.qd), ("qdd", self.qdd)] {
-            check_length(array, samples * dof, values.len(), &shape)?;
+            if values.len() != samples * dof {
+                let shape = format!("{samples} samples x {dof} joints");
+                check_length(array, samples * dof, values.len(), &shape)?;
+            }
+        }
+        Ok(samples)
+    }
+
+    /// What is not finite in a tile.
+    #[cold]
+    fn fault(&self, bad: BadTile, dof: usize) -> RegressorError {
+        let BadTile(first) = bad;
+        let rest = |values: &[f64]| values[first * dof..].iter().position(|x| !x.is_finite());
+        let arrays = [("q", self.q), ("qd", self.qd), ("qdd", self.qdd)];
+        let found = arrays.map(|(array, values)| (rest(values), array, values));
+        let (at, array, values) = found
+            .into_iter()
+            .find(|(at, ..)| at.is_some())
+            .expect("a tile is bad because of a state");
+        let at = first * dof + at.unwrap_or(0);
+        RegressorError::NotFinite {
+            array,
+            sample: at / dof,
+            joint: at % dof,
+            value: values[at],
+        }
+    }
+
+    /// The number of samples N, all finite.
+    fn check(&self, dof: usize) -> Result<usize, RegressorError> {
+        let samples = self.count(dof)?;
+        for (array, values) in [("q", self.q), ("qd", self.qd), ("qdd", self.qdd)] {
             if let Some(at) = values.iter().position(|x| !x.is_finite()) {
                 return Err(RegressorError::NotFinite {
                     array,
@@ -275,13 +403,7 @@ struct Rows<'a, T> {
 
 impl<'a, T: Scalar> Rows<'a, T> {
     fn new(tree: &'a Tree<T>, space: &'a ParameterSpace, columns: Option<&[usize]>) -> Self {
-        let choice = columns.map(|columns| {
-            let mut places = vec![None; space.len()];
-            for (place, &column) in columns.iter().enumerate() {
-                places[column] = Some(place as u32);
-            }
-            (places, columns.len())
-        });
+        let choice = columns.map(|columns| (places(columns, space.len()), columns.len()));
         Self {
             tree,
             space,
@@ -315,6 +437,15 @@ impl<'a, T: Scalar> Rows<'a, T> {
             Model::H => energy(self.tree, motion, &mut self.energy, sink),
         }
     }
+}
+
+/// Each column's place among the chosen ones.
+fn places(columns: &[usize], width: usize) -> Vec<Option<u32>> {
+    let mut places = vec![None; width];
+    for (place, &column) in columns.iter().enumerate() {
+        places[column] = Some(place as u32);
+    }
+    places
 }
 
 fn check_out(

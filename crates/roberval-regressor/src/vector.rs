@@ -1,6 +1,6 @@
 //! Three-vectors and rotations over any scalar.
 
-use roberval_scalar::Scalar;
+use roberval_scalar::{Lift, Scalar};
 
 pub type Vec3<T> = [T; 3];
 /// Rows of a 3 x 3 matrix.
@@ -47,4 +47,16 @@ pub fn apply_transposed<T: Scalar>(a: &Mat3<T>, b: Vec3<T>) -> Vec3<T> {
 #[inline(always)]
 pub fn product<T: Scalar>(a: &Mat3<T>, b: &Mat3<T>) -> Mat3<T> {
     a.map(|row| apply_transposed(b, row))
+}
+
+/// A vector of constants.
+#[inline(always)]
+pub fn lift3<C: Copy, T: Lift<C>>(v: &Vec3<C>) -> Vec3<T> {
+    [T::lift(v[0]), T::lift(v[1]), T::lift(v[2])]
+}
+
+/// A matrix of constants.
+#[inline(always)]
+pub fn lift9<C: Copy, T: Lift<C>>(a: &Mat3<C>) -> Mat3<T> {
+    [lift3(&a[0]), lift3(&a[1]), lift3(&a[2])]
 }

@@ -2,10 +2,12 @@
 //!
 //! * [`Scalar`]: the few operations that the regressor's recursion needs, so that one
 //!   source runs over floats, magnitudes (error bounds), finite fields and expressions.
+//! * [`Lanes`]: several floats side by side, as many as the processor can take.
 //! * [`Decimal`], [`Expr`], [`Quantity`]: numbers as the user wrote them, kept exactly.
 
 mod double_double;
 mod field;
+mod lanes;
 mod linear;
 mod literal;
 mod magnitude;
@@ -16,6 +18,7 @@ mod scalar;
 
 pub use double_double::DoubleDouble;
 pub use field::{Fp, Modulus};
+pub use lanes::{Lanes, MAX_LANES, Task, Width, dispatch};
 pub use linear::LinearInPi;
 pub use literal::{
     Constants, Decimal, Expr, LiteralError, LiteralFault, MAX_LITERAL_BYTES, MAX_LITERAL_DEPTH,
@@ -25,4 +28,4 @@ pub use magnitude::Magnitude;
 pub use nearest::nearest_double;
 pub use primes::{is_prime, random_prime};
 pub use random::SplitMix64;
-pub use scalar::Scalar;
+pub use scalar::{Lift, Scalar};

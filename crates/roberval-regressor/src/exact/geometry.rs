@@ -8,8 +8,8 @@ use roberval_scalar::{Quantity, Scalar};
 
 use crate::vector::{Mat3, Vec3, add, apply, dot, product, scale};
 use crate::{
-    Body, Constants, DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion, Model, Tree,
-    dynamics, energy,
+    Body, Constants, DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion, Layout, Model,
+    Tree, dynamics, energy,
 };
 
 /// Cosine and sine.
@@ -86,6 +86,7 @@ impl<N: Numbers> Builder<'_, N> {
             origin,
             axis,
             axis_squared: dot(axis, axis),
+            layout: Layout::General,
         })
     }
 
