@@ -1,7 +1,7 @@
 use roberval_mechanism::{JointKind, Mechanism, ParameterSpace};
 use roberval_scalar::{Magnitude, Scalar, Width, dispatch};
 
-use crate::lanes::{BadTile, FillPacked, FillRows};
+use crate::lanes::{BadTile, FillPacked, FillRows, Pool};
 use crate::packed::Export;
 use crate::sink::SelectedRows;
 use crate::{
@@ -84,8 +84,10 @@ pub struct Regressor {
     tree: Tree<f64>,
     space: ParameterSpace,
     width: Width,
-    /// All columns of d and of h.
+    /// The nonzeros of d and of h, and all columns from them.
+    layouts: [PackedLayout; 2],
     exports: [Export; 2],
+    pool: Pool,
 }
 
 /// Results of more bytes than this are written past the cache: they would not stay in it.
@@ -97,15 +99,18 @@ impl Regressor {
     pub fn new(mechanism: &Mechanism) -> Self {
         let tree = Tree::of(mechanism);
         let space = mechanism.parameters();
+        let layouts = [Model::D, Model::H].map(|model| PackedLayout::new(&tree, &space, model));
         let exports = [Model::D, Model::H].map(|model| {
-            let layout = PackedLayout::new(&tree, &space, model, 1);
-            Export::new(&layout, model.rows(tree.dof), space.len(), Some)
+            let layout = &layouts[family(model)];
+            Export::new(layout, model.rows(tree.dof), space.len(), Some)
         });
         Self {
             tree,
             space,
             width: Width::best(),
+            layouts,
             exports,
+            pool: Pool::default(),
         }
     }
 
@@ -119,8 +124,14 @@ impl Regressor {
 
     /// Where the numbers of [`Regressor::fill_packed`] belong.
     #[must_use]
-    pub fn packed_layout(&self, model: Model) -> PackedLayout {
-        PackedLayout::new(&self.tree, &self.space, model, self.width.lanes())
+    pub fn packed_layout(&self, model: Model) -> &PackedLayout {
+        &self.layouts[family(model)]
+    }
+
+    /// Samples in a tile of [`Regressor::fill_packed`].
+    #[must_use]
+    pub fn lanes(&self) -> usize {
+        self.width.lanes()
     }
 
     /// The nonzeros of all columns, in tiles: see [`PackedLayout`]. Fills `out`
@@ -136,9 +147,14 @@ impl Regressor {
     ) -> Result<(), RegressorError> {
         let samples = states.count(self.dof())?;
         let layout = self.packed_layout(model);
-        let shape = format!("{samples} samples in tiles of {}", layout.lanes());
-        check_length("out", layout.len(samples), out.len(), &shape)?;
+        let lanes = self.lanes();
+        let expected = layout.len(samples, lanes);
+        if out.len() != expected {
+            let shape = format!("{samples} samples in tiles of {lanes}");
+            check_length("out", expected, out.len(), &shape)?;
+        }
         let task = FillPacked {
+            pool: &self.pool,
             tree: &self.tree,
             model,
             states,
@@ -165,6 +181,7 @@ impl Regressor {
             self.width
         };
         let task = FillRows {
+            pool: &self.pool,
             tree: &self.tree,
             model,
             states,
@@ -202,7 +219,7 @@ impl Regressor {
         if self.width > Width::Plain {
             let samples = states.count(self.dof())?;
             check_out(model, samples, self.dof(), width, out.len())?;
-            let export = &self.exports[usize::from(model == Model::H)];
+            let export = &self.exports[family(model)];
             return self.export(model, states, samples, export, out);
         }
         let samples = states.check(self.dof())?;
@@ -232,10 +249,10 @@ impl Regressor {
         if self.width > Width::Plain {
             let samples = states.count(self.dof())?;
             check_out(model, samples, self.dof(), columns.len(), out.len())?;
-            let layout = PackedLayout::new(&self.tree, &self.space, model, 1);
+            let layout = &self.layouts[family(model)];
             let places = places(columns, self.space.len());
             let place = |column: usize| places[column].map(|place| place as usize);
-            let export = Export::new(&layout, model.rows(self.dof()), columns.len(), place);
+            let export = Export::new(layout, model.rows(self.dof()), columns.len(), place);
             return self.export(model, states, samples, &export, out);
         }
         let samples = states.check(self.dof())?;
@@ -439,6 +456,11 @@ impl<'a, T: Scalar> Rows<'a, T> {
     }
 }
 
+/// d and d0 have the same nonzeros, h has others.
+fn family(model: Model) -> usize {
+    usize::from(model == Model::H)
+}
+
 /// Each column's place among the chosen ones.
 fn places(columns: &[usize], width: usize) -> Vec<Option<u32>> {
     let mut places = vec![None; width];
@@ -455,9 +477,13 @@ fn check_out(
     width: usize,
     found: usize,
 ) -> Result<(), RegressorError> {
+    let expected = samples * model.rows(dof) * width;
+    if found == expected {
+        return Ok(());
+    }
     let rows = model.rows(dof);
     let shape = format!("{samples} samples x {rows} rows x {width} columns");
-    check_length("out", samples * rows * width, found, &shape)
+    check_length("out", expected, found, &shape)
 }
 
 fn check_length(

@@ -2,7 +2,7 @@ use roberval_mechanism::JointKind;
 use roberval_scalar::{Lift, Scalar};
 
 use crate::frame::{Frame, General, Layout, Right, with_frame};
-use crate::vector::{Mat3, Vec3, lift3};
+use crate::vector::{Mat3, Vec3, dot, lift3, negative};
 use crate::{Body, JointMotion, Sink, Tree};
 
 /// How a body moves, in its own frame.
@@ -40,10 +40,10 @@ struct Ancestor {
 #[derive(Debug, Clone, Copy)]
 struct Span {
     first: usize,
-    /// The antecedent's path: these joints come first.
+    /// How many joints the antecedent's path has; its own joint, if any, comes after them.
     inherited: usize,
-    /// Its own joint, if it moves, is the last.
-    count: usize,
+    /// Where the antecedent's path is.
+    from: usize,
 }
 
 /// Working memory of [`dynamics`], made once for a tree.
@@ -69,14 +69,15 @@ impl<T: Scalar> DynamicsWorkspace<T> {
         let mut screws = Vec::new();
         let mut spans: Vec<Span> = Vec::with_capacity(tree.bodies.len());
         for body in &tree.bodies {
-            let (first, inherited) = match body.antecedent {
+            let first = ancestors.len();
+            let (from, inherited) = match body.antecedent {
                 Some(a) => {
-                    let Span { first, count, .. } = spans[a];
-                    ancestors.extend_from_within(first..first + count);
-                    (ancestors.len() - count, count)
+                    let own = usize::from(tree.bodies[a].variable.is_some());
+                    (spans[a].first, spans[a].inherited + own)
                 }
-                None => (ancestors.len(), 0),
+                None => (first, 0),
             };
+            ancestors.extend_from_within(from..from + inherited);
             screws.resize(ancestors.len(), Screw { e: zero, v: zero });
             if let Some(row) = body.variable {
                 let slides = body.joint == JointKind::Prismatic;
@@ -88,7 +89,7 @@ impl<T: Scalar> DynamicsWorkspace<T> {
             spans.push(Span {
                 first,
                 inherited,
-                count: ancestors.len() - first,
+                from,
             });
         }
         let rest = BodyState {
@@ -123,23 +124,22 @@ pub fn dynamics<C: Copy, T: Lift<C>>(
         let state = &mut workspace.states[j];
         let forces = Forces::of(state);
         state.u = forces.u;
-        let span = workspace.spans[j];
-        let path = span.first..span.first + span.count;
-        let (inherited, own) = workspace.ancestors[path.clone()].split_at(span.inherited);
-        let screws = &workspace.screws[path];
-        for (ancestor, screw) in inherited.iter().zip(screws) {
-            let columns = match ancestor.slides {
-                false => forces.on_screw(screw),
-                true => forces.on_translation(tree.constants.zero, screw.v),
+        let Span {
+            first, inherited, ..
+        } = workspace.spans[j];
+        let ancestors = &workspace.ancestors[first..first + inherited];
+        let screws = &workspace.screws[first..first + inherited];
+        for k in 0..inherited {
+            let columns = match ancestors[k].slides {
+                false => forces.on_screw(&screws[k]),
+                true => forces.on_translation(tree.constants.zero, screws[k].v),
             };
-            sink.link(j, ancestor.row, columns);
+            sink.link(j, ancestors[k].row, columns);
         }
-        for ancestor in own {
-            let columns = forces.on_own_joint(body, tree.constants.zero);
-            sink.link(j, ancestor.row, columns);
-            if body.rotor {
-                sink.rotor(j, ancestor.row, T::lift(body.axis_squared) * motion.qdd);
-            }
+        let Some(row) = body.variable else { continue };
+        sink.link(j, row, forces.on_own_joint(body, tree.constants.zero));
+        if body.rotor {
+            sink.rotor(j, row, T::lift(body.axis_squared) * motion.qdd);
         }
     }
 }
@@ -157,22 +157,23 @@ fn step<C: Copy, T: Lift<C>>(
     let (before, from_here) = workspace.states.split_at_mut(j);
     let parent = body.antecedent.map(|a| &before[a]);
     forward(frame, tree, body, motion, parent, &mut from_here[0]);
-    let span = workspace.spans[j];
-    let Some(antecedent) = body.antecedent else {
-        return;
-    };
-    let (before, own) = workspace.screws.split_at_mut(span.first);
-    let from = &before[workspace.spans[antecedent].first..][..span.inherited];
-    let ancestors = &workspace.ancestors[span.first..];
-    for ((to, from), ancestor) in own.iter_mut().zip(from).zip(ancestors) {
-        let v = frame.take(&from.v);
-        if ancestor.slides {
-            frame.give(frame.turn(v), &mut to.v);
+    let Span {
+        first,
+        inherited,
+        from,
+    } = workspace.spans[j];
+    let (before, own) = workspace.screws.split_at_mut(first);
+    let (own, from) = (&mut own[..inherited], &before[from..from + inherited]);
+    let ancestors = &workspace.ancestors[first..first + inherited];
+    for k in 0..inherited {
+        let v = frame.take(&from[k].v);
+        if ancestors[k].slides {
+            frame.give(frame.turn(v), &mut own[k].v);
             continue;
         }
-        let e = frame.take(&from.e);
-        frame.give(frame.turn(e), &mut to.e);
-        frame.give(frame.turn(frame.carry(v, e)), &mut to.v);
+        let e = frame.take(&from[k].e);
+        frame.give(frame.turn(e), &mut own[k].e);
+        frame.give(frame.turn(frame.carry(v, e)), &mut own[k].v);
     }
 }
 
@@ -194,8 +195,8 @@ fn forward<C: Copy, T: Lift<C>>(
             frame.turn(frame.at_origin(frame.take(&parent.a), &parent.u)),
         ),
         None => {
-            let g: Vec3<T> = lift3(&tree.gravity);
-            (zero, zero, frame.turn(frame.take(&g.map(|g| -g))))
+            let up = negative(lift3(&tree.gravity));
+            (zero, zero, frame.turn(frame.take(&up)))
         }
     };
     let (qd, qdd) = (motion.qd, motion.qdd);
@@ -258,25 +259,26 @@ impl<T: Scalar> Forces<T> {
     fn on_screw(&self, screw: &Screw<T>) -> [T; 10] {
         let ([ex, ey, ez], v) = (screw.e, screw.v);
         let Self { dw, a, u, .. } = self;
-        let moment = |k: usize, one: T| {
-            let sum = u[0][k].mul_add(v[0], one);
-            u[2][k].mul_add(v[2], u[1][k].mul_add(v[1], sum))
-        };
         [
-            self.xy.neg_mul_add(ez, self.xz.mul_add(ey, dw[0] * ex)),
-            self.x2_y2
-                .mul_add(ez, u[2][0].neg_mul_add(ex, u[2][1] * ey)),
-            self.z2_x2
-                .mul_add(ey, u[1][2].neg_mul_add(ez, u[1][0] * ex)),
-            self.xy.mul_add(ez, self.yz.neg_mul_add(ex, dw[1] * ey)),
-            self.y2_z2
-                .mul_add(ex, u[0][1].neg_mul_add(ey, u[0][2] * ez)),
-            self.yz.mul_add(ex, self.xz.neg_mul_add(ey, dw[2] * ez)),
-            moment(0, a[2].neg_mul_add(ey, a[1] * ez)),
-            moment(1, a[0].neg_mul_add(ez, a[2] * ex)),
-            moment(2, a[1].neg_mul_add(ex, a[0] * ey)),
-            v[2].mul_add(a[2], v[1].mul_add(a[1], v[0] * a[0])),
+            ez.neg_mul_add(self.xy, ey.mul_add(self.xz, dw[0] * ex)),
+            ez.mul_add(self.x2_y2, ex.neg_mul_add(u[2][0], u[2][1] * ey)),
+            ey.mul_add(self.z2_x2, ez.neg_mul_add(u[1][2], u[1][0] * ex)),
+            ez.mul_add(self.xy, ex.neg_mul_add(self.yz, dw[1] * ey)),
+            ex.mul_add(self.y2_z2, ey.neg_mul_add(u[0][1], u[0][2] * ez)),
+            ex.mul_add(self.yz, ey.neg_mul_add(self.xz, dw[2] * ez)),
+            self.along(0, v, ey.neg_mul_add(a[2], a[1] * ez)),
+            self.along(1, v, ez.neg_mul_add(a[0], a[2] * ex)),
+            self.along(2, v, ex.neg_mul_add(a[1], a[0] * ey)),
+            dot(v, *a),
         ]
+    }
+
+    /// `U' v` along axis k, added to what the rotation gives.
+    #[inline(always)]
+    fn along(&self, k: usize, v: Vec3<T>, turning: T) -> T {
+        let u = &self.u;
+        let sum = u[0][k].mul_add(v[0], turning);
+        u[2][k].mul_add(v[2], u[1][k].mul_add(v[1], sum))
     }
 
     /// Their power along a translation.
@@ -287,10 +289,9 @@ impl<T: Scalar> Forces<T> {
     {
         let Self { a, u, .. } = self;
         let zero = T::lift(zero);
-        let force = |k: usize| u[2][k].mul_add(v[2], u[1][k].mul_add(v[1], u[0][k] * v[0]));
-        let mass = v[2].mul_add(a[2], v[1].mul_add(a[1], v[0] * a[0]));
-        let (mx, my, mz) = (force(0), force(1), force(2));
-        [zero, zero, zero, zero, zero, zero, mx, my, mz, mass]
+        let column = |k: usize| [u[0][k], u[1][k], u[2][k]];
+        let [mx, my, mz] = [dot(column(0), v), dot(column(1), v), dot(column(2), v)];
+        [zero, zero, zero, zero, zero, zero, mx, my, mz, dot(v, *a)]
     }
 
     /// Their power along the unit velocity of the body's own joint: mostly a copy.
@@ -303,10 +304,10 @@ impl<T: Scalar> Forces<T> {
         let Self { dw, a, u, .. } = self;
         let none = T::lift(zero);
         let aligned = match &body.layout {
-            Layout::Aligned(aligned) => Some(aligned.axis),
+            Layout::Aligned(aligned) => Some((aligned.axis, aligned.reversed)),
             Layout::General => None,
         };
-        let columns = match (body.joint, aligned) {
+        let columns = match (body.joint, aligned.map(|(along, _)| along)) {
             (JointKind::Prismatic, _) => return self.on_translation(zero, axis),
             (_, None) => {
                 return self.on_screw(&Screw {
@@ -324,6 +325,12 @@ impl<T: Scalar> Forces<T> {
                 -self.xy, self.x2_y2, -u[1][2], self.xy, u[0][2], dw[2], a[1], -a[0], none, none,
             ],
         };
-        columns.map(|x| x * axis[aligned.unwrap_or(2)])
+        let mut columns = columns;
+        if let Some((_, true)) = aligned {
+            for column in &mut columns {
+                *column = -*column;
+            }
+        }
+        columns
     }
 }

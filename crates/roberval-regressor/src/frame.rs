@@ -4,7 +4,9 @@
 use roberval_mechanism::JointKind;
 use roberval_scalar::{Lift, Scalar};
 
-use crate::vector::{Mat3, Vec3, add, apply, apply_transposed, cross, dot, lift3, lift9, product};
+use crate::vector::{
+    Mat3, Vec3, add, apply, apply_transposed, cross, dot, lift3, lift9, product, scale,
+};
 use crate::{Body, JointMotion};
 
 /// What is known of a body's placement beyond its numbers.
@@ -28,6 +30,8 @@ pub struct Aligned {
     pub onto: usize,
     /// Whether these two are opposite.
     pub flip: bool,
+    /// Whether the joint's axis points against the axis of the body's frame.
+    pub reversed: bool,
     /// Quarter turns about the axis.
     pub quarters: u8,
     /// Bit k: whether the origin has a component along the antecedent's axis
@@ -54,14 +58,14 @@ impl Layout {
             .iter()
             .flatten()
             .all(|x| [0.0, 1.0, -1.0].contains(x));
-        let (Some(axis), true) = (along, right) else {
+        let (Some(along), true) = (along, right) else {
             return Self::General;
         };
-        let Some(onto) = (0..3).find(|&i| rotation[i][axis] != 0.0) else {
+        let Some(onto) = (0..3).find(|&i| rotation[i][along] != 0.0) else {
             return Self::General;
         };
-        let ([i, j, _], [k, _, _]) = (turned(onto), turned(axis));
-        let flip = rotation[onto][axis] < 0.0;
+        let ([i, j, _], [k, _, _]) = (turned(onto), turned(along));
+        let flip = rotation[onto][along] < 0.0;
         let (cos, sin) = (
             rotation[i][k],
             if flip {
@@ -83,9 +87,10 @@ impl Layout {
             .filter(|&(bit, i)| origin[i] != 0.0 || (bit == 2 && slides))
             .fold(0, |bits, (bit, _)| bits | 1 << bit);
         Self::Aligned(Aligned {
-            axis,
+            axis: along,
             onto,
             flip,
+            reversed: axis[along] < 0.0,
             quarters,
             offsets,
         })
@@ -145,10 +150,7 @@ impl<T: Scalar> General<T> {
         );
         let (rotation, origin) = match body.joint {
             JointKind::Revolute => (product(&fixed, &motion.rotation(axis)), origin),
-            JointKind::Prismatic => {
-                let shift = axis.map(|a| a * motion.q);
-                (fixed, add(origin, apply(&fixed, shift)))
-            }
+            JointKind::Prismatic => (fixed, add(origin, apply(&fixed, scale(axis, motion.q)))),
             JointKind::Fixed => (fixed, origin),
         };
         Self {
@@ -202,22 +204,21 @@ impl<T: Scalar> Frame<T> for General<T> {
 
     #[inline(always)]
     fn across_axis(&self, v: Vec3<T>, w: Vec3<T>, s: T) -> Vec3<T> {
-        add(v, cross(w, self.axis.map(|a| a * s)))
+        add(v, cross(w, scale(self.axis, s)))
     }
 }
 
 /// Right angles; which components of the origin are there and whether the axes are
 /// opposite is known when this is compiled.
 pub(crate) struct Right<T, const OFFSETS: u8, const FLIP: bool> {
-    /// Cosine and sine of the whole turn.
+    /// Cosine and sine of the whole turn, and minus the sine.
     c: T,
     s: T,
-    /// -s, or the sine again: what the second row begins with.
-    second: T,
+    minus_s: T,
     /// p in this frame's order; components not in OFFSETS are never looked at.
     p: Vec3<T>,
-    /// The joint axis' direction along its axis: +-1 for floats.
-    sign: T,
+    /// See [`Aligned`].
+    reversed: bool,
     from: [usize; 3],
     to: [usize; 3],
 }
@@ -229,14 +230,14 @@ impl<T: Scalar, const OFFSETS: u8, const FLIP: bool> Right<T, OFFSETS, FLIP> {
         T: Lift<C>,
     {
         let (from, to) = (turned(aligned.onto), turned(aligned.axis));
-        let sign = T::lift(body.axis[aligned.axis]);
-        let mut p = from.map(|i| T::lift(body.origin[i]));
+        let origin: Vec3<T> = lift3(&body.origin);
+        let mut p = [origin[from[0]], origin[from[1]], origin[from[2]]];
         let (mut c, mut s) = (motion.cos, motion.sin);
         match body.joint {
-            JointKind::Revolute => s = s * sign,
-            JointKind::Prismatic if FLIP => p[2] = sign.neg_mul_add(motion.q, p[2]),
-            JointKind::Prismatic => p[2] = sign.mul_add(motion.q, p[2]),
-            JointKind::Fixed => {}
+            JointKind::Revolute if aligned.reversed => s = -s,
+            JointKind::Prismatic if aligned.reversed != FLIP => p[2] = p[2] - motion.q,
+            JointKind::Prismatic => p[2] = p[2] + motion.q,
+            JointKind::Revolute | JointKind::Fixed => {}
         }
         (c, s) = match aligned.quarters {
             0 => (c, s),
@@ -247,9 +248,9 @@ impl<T: Scalar, const OFFSETS: u8, const FLIP: bool> Right<T, OFFSETS, FLIP> {
         Self {
             c,
             s,
-            second: -s,
+            minus_s: -s,
             p,
-            sign,
+            reversed: aligned.reversed,
             from,
             to,
         }
@@ -265,7 +266,7 @@ impl<T: Scalar, const OFFSETS: u8, const FLIP: bool> Right<T, OFFSETS, FLIP> {
 impl<T: Scalar, const OFFSETS: u8, const FLIP: bool> Frame<T> for Right<T, OFFSETS, FLIP> {
     #[inline(always)]
     fn take(&self, v: &Vec3<T>) -> Vec3<T> {
-        self.from.map(|i| v[i])
+        [v[self.from[0]], v[self.from[1]], v[self.from[2]]]
     }
 
     #[inline(always)]
@@ -277,13 +278,13 @@ impl<T: Scalar, const OFFSETS: u8, const FLIP: bool> Frame<T> for Right<T, OFFSE
 
     #[inline(always)]
     fn turn(&self, v: Vec3<T>) -> Vec3<T> {
-        let (c, s, second) = (self.c, self.s, self.second);
+        let (c, s) = (self.c, self.s);
         if FLIP {
-            let y = c.neg_mul_add(v[1], second * v[0]);
-            [s.neg_mul_add(v[1], c * v[0]), y, -v[2]]
+            let y = v[1].neg_mul_add(c, self.minus_s * v[0]);
+            [v[1].neg_mul_add(s, c * v[0]), y, -v[2]]
         } else {
-            let y = c.mul_add(v[1], second * v[0]);
-            [s.mul_add(v[1], c * v[0]), y, v[2]]
+            let y = v[0].neg_mul_add(s, c * v[1]);
+            [v[1].mul_add(s, c * v[0]), y, v[2]]
         }
     }
 
@@ -331,12 +332,13 @@ impl<T: Scalar, const OFFSETS: u8, const FLIP: bool> Frame<T> for Right<T, OFFSE
 
     #[inline(always)]
     fn along_axis(&self, v: Vec3<T>, s: T) -> Vec3<T> {
-        [v[0], v[1], self.sign.mul_add(s, v[2])]
+        let z = if self.reversed { v[2] - s } else { v[2] + s };
+        [v[0], v[1], z]
     }
 
     #[inline(always)]
     fn across_axis(&self, v: Vec3<T>, w: Vec3<T>, s: T) -> Vec3<T> {
-        let s = self.sign * s;
+        let s = if self.reversed { -s } else { s };
         [w[1].mul_add(s, v[0]), w[0].neg_mul_add(s, v[1]), v[2]]
     }
 }

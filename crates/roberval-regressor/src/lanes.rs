@@ -1,5 +1,10 @@
 //! Batches: the recursion over lanes of samples.
 
+use std::any::Any;
+use std::fmt;
+use std::mem;
+use std::sync::Mutex;
+
 use roberval_scalar::{Lanes, Task};
 
 use crate::packed::{Export, Packed};
@@ -10,32 +15,84 @@ use crate::{DynamicsWorkspace, EnergyWorkspace, Model, Sink, States, Tree, dynam
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct BadTile(pub usize);
 
-/// Working memory of one model.
-pub(crate) enum Workspace<V> {
-    Dynamics(DynamicsWorkspace<V>),
-    Energy(EnergyWorkspace<V>),
+/// Working memory of a batch.
+pub(crate) struct Work<V> {
+    tile: Tile<V>,
+    dynamics: DynamicsWorkspace<V>,
+    energy: EnergyWorkspace<V>,
+    /// The packed numbers of a tile and a zero.
+    stage: Vec<V>,
+    /// The rows of a tile.
+    rows: Vec<f64>,
 }
 
-impl<V: Lanes> Workspace<V> {
+impl<V: Lanes> Work<V> {
     #[inline(always)]
-    pub(crate) fn new(tree: &Tree<f64>, model: Model) -> Self {
-        match model {
-            Model::D | Model::D0 => Self::Dynamics(DynamicsWorkspace::new(tree)),
-            Model::H => Self::Energy(EnergyWorkspace::new(tree)),
+    pub(crate) fn new(tree: &Tree<f64>) -> Self {
+        Self {
+            tile: Tile::new(tree),
+            dynamics: DynamicsWorkspace::new(tree),
+            energy: EnergyWorkspace::new(tree),
+            stage: Vec::new(),
+            rows: Vec::new(),
         }
     }
 
+    /// Runs the recursion on the tile that begins with this sample.
     #[inline(always)]
-    pub(crate) fn run(&mut self, tree: &Tree<f64>, tile: &Tile<V>, sink: &mut impl Sink<V>) {
-        match self {
-            Self::Dynamics(workspace) => dynamics(tree, &tile.motion, workspace, sink),
-            Self::Energy(workspace) => energy(tree, &tile.motion, workspace, sink),
+    pub(crate) fn run(
+        &mut self,
+        tree: &Tree<f64>,
+        model: Model,
+        states: &States<'_>,
+        first: usize,
+        sink: &mut impl Sink<V>,
+    ) -> Result<(), BadTile> {
+        if !self.tile.load(tree, model, states, first) {
+            return Err(BadTile(first));
         }
+        match model {
+            Model::D | Model::D0 => dynamics(tree, &self.tile.motion, &mut self.dynamics, sink),
+            Model::H => energy(tree, &self.tile.motion, &mut self.energy, sink),
+        }
+        Ok(())
+    }
+}
+
+/// Working memory between calls, of whichever lanes were in use.
+#[derive(Default)]
+pub(crate) struct Pool(Mutex<Vec<Box<dyn Any + Send>>>);
+
+impl Pool {
+    /// Working memory made by an earlier call, if none other has it.
+    pub(crate) fn take<W: Any>(&self) -> Option<Box<W>> {
+        let mut free = self.0.lock().ok()?;
+        let at = free.iter().position(|work| work.is::<W>())?;
+        free.swap_remove(at).downcast().ok()
+    }
+
+    pub(crate) fn give<W: Any + Send>(&self, work: Box<W>) {
+        if let Ok(mut free) = self.0.lock() {
+            free.push(work);
+        }
+    }
+}
+
+impl Clone for Pool {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl fmt::Debug for Pool {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Pool")
     }
 }
 
 /// Rows of all samples into `out`, sample after sample.
 pub(crate) struct FillRows<'a> {
+    pub pool: &'a Pool,
     pub tree: &'a Tree<f64>,
     pub model: Model,
     pub states: States<'a>,
@@ -51,39 +108,42 @@ impl Task for FillRows<'_> {
 
     #[inline(always)]
     fn run<V: Lanes>(self) -> Self::Output {
-        let mut tile = Tile::<V>::new(self.tree);
-        let mut workspace = Workspace::new(self.tree, self.model);
-        let mut stage = vec![V::lift(0.0); self.export.slots() + 1];
-        let length = self.export.len();
+        let (tree, export) = (self.tree, self.export);
+        let mut work = match self.pool.take::<Work<V>>() {
+            Some(work) => work,
+            None => Box::new(Work::new(tree)),
+        };
+        let (mut stage, mut rows) = (mem::take(&mut work.stage), mem::take(&mut work.rows));
+        stage.resize(export.slots() + 1, V::lift(0.0));
+        stage[export.slots()] = V::lift(0.0);
+        let length = export.len();
         let whole = V::COUNT * length;
-        let mut rows = Vec::new();
         for first in (0..self.samples).step_by(V::COUNT) {
-            if !tile.load(self.model, &self.states, first) {
-                return Err(BadTile(first));
-            }
-            tile.set_motion(self.tree);
-            let slots = &mut stage[..self.export.slots()];
-            workspace.run(self.tree, &tile, &mut Packed::new(slots));
+            let mut sink = Packed::new(&mut stage[..export.slots()]);
+            work.run(tree, self.model, &self.states, first, &mut sink)?;
             let count = whole.min((self.samples - first) * length);
             let out = &mut self.out[first * length..][..count];
             if count == whole && !self.stream {
-                self.export.write(&stage, out);
+                export.write(&stage, out);
                 continue;
             }
             rows.resize(whole, 0.0);
-            self.export.write(&stage, &mut rows);
+            export.write(&stage, &mut rows);
             if self.stream {
                 V::stream(&rows[..count], out);
             } else {
                 out.copy_from_slice(&rows[..count]);
             }
         }
+        (work.stage, work.rows) = (stage, rows);
+        self.pool.give(work);
         Ok(())
     }
 }
 
 /// Packed tiles of all samples.
 pub(crate) struct FillPacked<'a> {
+    pub pool: &'a Pool,
     pub tree: &'a Tree<f64>,
     pub model: Model,
     pub states: States<'a>,
@@ -99,34 +159,41 @@ impl Task for FillPacked<'_> {
 
     #[inline(always)]
     fn run<V: Lanes>(self) -> Self::Output {
-        let mut tile = Tile::<V>::new(self.tree);
-        let mut workspace = Workspace::new(self.tree, self.model);
-        let mut stage = vec![V::lift(0.0); self.slots];
-        let mut numbers = vec![
-            0.0;
+        let tree = self.tree;
+        let mut work = match self.pool.take::<Work<V>>() {
+            Some(work) => work,
+            None => Box::new(Work::new(tree)),
+        };
+        let mut rows = mem::take(&mut work.rows);
+        rows.resize(
             if self.stream {
                 V::COUNT * self.slots
             } else {
                 0
-            }
-        ];
+            },
+            0.0,
+        );
         let firsts = (0..self.samples).step_by(V::COUNT);
         let outs = self.out.chunks_exact_mut(V::COUNT * self.slots);
         for (first, out) in firsts.zip(outs) {
-            if !tile.load(self.model, &self.states, first) {
-                return Err(BadTile(first));
-            }
-            tile.set_motion(self.tree);
-            if self.stream {
-                workspace.run(self.tree, &tile, &mut Packed::new(&mut stage));
-                for (x, numbers) in stage.iter().zip(numbers.chunks_exact_mut(V::COUNT)) {
-                    x.store(numbers);
-                }
-                V::stream(&numbers, out);
+            let to = if self.stream {
+                &mut rows[..]
             } else {
-                workspace.run(self.tree, &tile, &mut PackedNumbers(out));
+                &mut *out
+            };
+            work.run(
+                tree,
+                self.model,
+                &self.states,
+                first,
+                &mut PackedNumbers(to),
+            )?;
+            if self.stream {
+                V::stream(&rows, out);
             }
         }
+        work.rows = rows;
+        self.pool.give(work);
         Ok(())
     }
 }
@@ -137,7 +204,7 @@ struct PackedNumbers<'a>(&'a mut [f64]);
 impl<V: Lanes> Sink<V> for PackedNumbers<'_> {
     #[inline(always)]
     fn link(&mut self, _: usize, _: usize, columns: [V; 10]) {
-        let (next, rest) = std::mem::take(&mut self.0).split_at_mut(10 * V::COUNT);
+        let (next, rest) = mem::take(&mut self.0).split_at_mut(10 * V::COUNT);
         for (column, next) in columns.into_iter().zip(next.chunks_exact_mut(V::COUNT)) {
             column.store(next);
         }
@@ -146,7 +213,7 @@ impl<V: Lanes> Sink<V> for PackedNumbers<'_> {
 
     #[inline(always)]
     fn rotor(&mut self, _: usize, _: usize, value: V) {
-        let (next, rest) = std::mem::take(&mut self.0).split_at_mut(V::COUNT);
+        let (next, rest) = mem::take(&mut self.0).split_at_mut(V::COUNT);
         value.store(next);
         self.0 = rest;
     }

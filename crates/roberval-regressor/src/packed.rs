@@ -9,7 +9,7 @@ use crate::{DynamicsWorkspace, EnergyWorkspace, Model, Sink, Tree, dynamics, ene
 
 /// Which entry of a sample's rows each packed number is.
 ///
-/// Samples come in tiles of [`PackedLayout::lanes`]; a tile is one block of numbers
+/// Samples come in tiles of as many as there are lanes; a tile is one block of numbers
 /// `[slot][lane]`. The slots are, link by link, on each row of the path from the base to
 /// the link its ten columns XX to M, then its Ia on its own row. Entries without a slot
 /// are zero for every state.
@@ -17,16 +17,10 @@ use crate::{DynamicsWorkspace, EnergyWorkspace, Model, Sink, Tree, dynamics, ene
 pub struct PackedLayout {
     /// Row and column of each slot.
     entries: Vec<(usize, usize)>,
-    lanes: usize,
 }
 
 impl PackedLayout {
-    pub(crate) fn new(
-        tree: &Tree<f64>,
-        space: &ParameterSpace,
-        model: Model,
-        lanes: usize,
-    ) -> Self {
+    pub(crate) fn new(tree: &Tree<f64>, space: &ParameterSpace, model: Model) -> Self {
         let mut sink = Entries {
             space,
             entries: Vec::new(),
@@ -40,7 +34,6 @@ impl PackedLayout {
         }
         Self {
             entries: sink.entries,
-            lanes,
         }
     }
 
@@ -50,17 +43,11 @@ impl PackedLayout {
         &self.entries
     }
 
-    /// Samples in a tile.
-    #[must_use]
-    pub fn lanes(&self) -> usize {
-        self.lanes
-    }
-
     /// Numbers that N samples take: whole tiles, the last one filled up with samples at
     /// rest.
     #[must_use]
-    pub fn len(&self, samples: usize) -> usize {
-        samples.next_multiple_of(self.lanes) * self.entries.len()
+    pub fn len(&self, samples: usize, lanes: usize) -> usize {
+        samples.next_multiple_of(lanes) * self.entries.len()
     }
 
     /// Whether there is no slot at all.

@@ -1,9 +1,9 @@
 //! Joint states of as many samples as there are lanes.
 
 use roberval_mechanism::JointKind;
-use roberval_scalar::Lanes;
+use roberval_scalar::{Lanes, MAX_LANES};
 
-use crate::{JointMotion, Model, States, Tree};
+use crate::{Body, JointMotion, Layout, Model, States, Tree};
 
 /// The joint states of one tile of samples, a sample a lane.
 #[derive(Debug)]
@@ -38,57 +38,64 @@ impl<V: Lanes> Tile<V> {
         }
     }
 
-    /// Loads the samples from `first` on, zeros after the last one. Tells whether they
-    /// are finite.
+    /// Loads the samples from `first` on, zeros after the last one, and sets the bodies in
+    /// motion. Tells whether all states are finite.
     #[inline(always)]
-    pub(crate) fn load(&mut self, model: Model, states: &States<'_>, first: usize) -> bool {
-        let mut sum = V::lift(0.0);
+    pub(crate) fn load(
+        &mut self,
+        tree: &Tree<f64>,
+        model: Model,
+        states: &States<'_>,
+        first: usize,
+    ) -> bool {
         let looked_at = match model {
             Model::D => [true; 3],
             Model::D0 => [true, false, true],
             Model::H => [true, true, false],
         };
         for (k, numbers) in [states.q, states.qd, states.qdd].into_iter().enumerate() {
-            if !looked_at[k] {
-                continue;
-            }
-            let from = &numbers[first * self.dof..];
-            // Zero times anything but a finite number is NaN.
-            for x in transposed(from, self.dof, &mut self.padded, &mut self.states[k]) {
-                sum = x.mul_add(V::lift(0.0), sum);
+            let to = &mut self.states[k];
+            if looked_at[k] {
+                transpose(&numbers[first * self.dof..], self.dof, &mut self.padded, to);
+            } else {
+                to.fill(V::lift(0.0));
             }
         }
-        let mut sums = [0.0; roberval_scalar::MAX_LANES];
-        sum.store(&mut sums);
-        sums.iter().sum::<f64>() == 0.0
-    }
-
-    /// Turns the states into the motion of the bodies.
-    #[inline(always)]
-    pub(crate) fn set_motion(&mut self, tree: &Tree<f64>) {
+        let mut sums = [V::lift(0.0); 3];
+        let [q, qd, qdd] = &self.states;
         for (body, motion) in tree.bodies.iter().zip(&mut self.motion) {
             let Some(j) = body.variable else { continue };
-            let [q, qd, qdd] = [&self.states[0], &self.states[1], &self.states[2]];
-            (motion.qd, motion.qdd) = (qd[j], qdd[j]);
-            if body.joint == JointKind::Prismatic {
-                motion.q = q[j];
-            } else {
-                let (sin, cos) = q[j].sin_cos();
-                (motion.sin, motion.cos) = (sin, cos);
-                motion.versine = V::lift(1.0) - cos;
+            let states = [q[j], qd[j], qdd[j]];
+            // Zero times anything but a finite number is NaN.
+            for (sum, x) in sums.iter_mut().zip(states) {
+                *sum = x.mul_add(V::lift(0.0), *sum);
             }
+            set(motion, body, states);
         }
+        let mut sum = [0.0; MAX_LANES];
+        (sums[0] + sums[1] + sums[2]).store(&mut sum);
+        sum.iter().sum::<f64>() == 0.0
+    }
+}
+
+/// Sets a body in motion.
+#[inline(always)]
+fn set<V: Lanes>(motion: &mut JointMotion<V>, body: &Body<f64>, [q, qd, qdd]: [V; 3]) {
+    (motion.qd, motion.qdd) = (qd, qdd);
+    if body.joint == JointKind::Prismatic {
+        motion.q = q;
+        return;
+    }
+    let (sin, cos) = q.sin_cos();
+    (motion.sin, motion.cos) = (sin, cos);
+    if body.layout == Layout::General {
+        motion.versine = V::lift(1.0) - cos;
     }
 }
 
 /// The columns of a table of `dof` columns, a row a lane.
 #[inline(always)]
-fn transposed<'a, V: Lanes>(
-    from: &[f64],
-    dof: usize,
-    padded: &mut [f64],
-    to: &'a mut [V],
-) -> impl Iterator<Item = V> + use<'a, V> {
+fn transpose<V: Lanes>(from: &[f64], dof: usize, padded: &mut [f64], to: &mut [V]) {
     // Whole blocks read beyond the last row's end.
     let from = if from.len() < (V::COUNT - 1) * dof + to.len() {
         let count = from.len().min(V::COUNT * dof);
@@ -101,5 +108,4 @@ fn transposed<'a, V: Lanes>(
     for first in (0..dof).step_by(V::COUNT) {
         V::load_transposed(&from[first..], dof, &mut to[first..]);
     }
-    to[..dof].iter().copied()
 }

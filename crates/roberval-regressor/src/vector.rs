@@ -1,4 +1,6 @@
 //! Three-vectors and rotations over any scalar.
+//!
+//! Written out, without closures: what is not inlined loses the processor's features.
 
 use roberval_scalar::{Lift, Scalar};
 
@@ -14,6 +16,11 @@ pub fn add<T: Scalar>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
 #[inline(always)]
 pub fn scale<T: Scalar>(a: Vec3<T>, s: T) -> Vec3<T> {
     [a[0] * s, a[1] * s, a[2] * s]
+}
+
+#[inline(always)]
+pub fn negative<T: Scalar>(a: Vec3<T>) -> Vec3<T> {
+    [-a[0], -a[1], -a[2]]
 }
 
 #[inline(always)]
@@ -39,14 +46,21 @@ pub fn apply<T: Scalar>(a: &Mat3<T>, b: Vec3<T>) -> Vec3<T> {
 /// A' b
 #[inline(always)]
 pub fn apply_transposed<T: Scalar>(a: &Mat3<T>, b: Vec3<T>) -> Vec3<T> {
-    let column = |k: usize| a[0][k].mul_add(b[0], a[1][k].mul_add(b[1], a[2][k] * b[2]));
-    [column(0), column(1), column(2)]
+    [
+        dot([a[0][0], a[1][0], a[2][0]], b),
+        dot([a[0][1], a[1][1], a[2][1]], b),
+        dot([a[0][2], a[1][2], a[2][2]], b),
+    ]
 }
 
 /// A B
 #[inline(always)]
 pub fn product<T: Scalar>(a: &Mat3<T>, b: &Mat3<T>) -> Mat3<T> {
-    a.map(|row| apply_transposed(b, row))
+    [
+        apply_transposed(b, a[0]),
+        apply_transposed(b, a[1]),
+        apply_transposed(b, a[2]),
+    ]
 }
 
 /// A vector of constants.

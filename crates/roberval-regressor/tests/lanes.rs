@@ -129,12 +129,12 @@ fn chosen_columns_and_packed_tiles_are_those_of_all_columns() {
             assert!(same(&some, &picked.collect::<Vec<_>>()), "robot {seed}");
 
             let layout = regressor.packed_layout(model);
-            let mut packed = vec![f64::NAN; layout.len(samples)];
+            let mut packed = vec![f64::NAN; layout.len(samples, regressor.lanes())];
             regressor
                 .fill_packed(model, batch.states(), &mut packed)
                 .expect("valid");
             let mut unpacked = vec![0.0; all.len()];
-            let (lanes, rows) = (layout.lanes(), model.rows(robot.dof()));
+            let (lanes, rows) = (regressor.lanes(), model.rows(robot.dof()));
             for (sample, unpacked) in unpacked.chunks_mut(rows * columns).enumerate() {
                 let tile = &packed[sample / lanes * lanes * layout.entries().len()..];
                 for (slot, (row, column)) in layout.entries().iter().enumerate() {

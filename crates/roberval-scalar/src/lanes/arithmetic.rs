@@ -1,9 +1,12 @@
 //! What all lanes made of one register have in common.
+//!
+//! Macros instead of closures and `map`: a closure that is not inlined is compiled without
+//! the processor's features.
 
 /// A lane type whose arithmetic is given by intrinsics.
 macro_rules! arithmetic {
-    ($name:ident, $raw:ty, $count:literal, $add:ident, $sub:ident, $mul:ident, $neg:expr,
-     $fma:expr, $fnma:expr, $splat:ident) => {
+    ($name:ident, $raw:ty, $count:literal, $add:ident, $sub:ident, $mul:ident, $neg:ident,
+     $fma:ident, $fnma:ident, $splat:ident) => {
         /// Floats side by side in one register.
         #[derive(Clone, Copy)]
         struct $name($raw);
@@ -48,7 +51,7 @@ macro_rules! arithmetic {
             #[inline(always)]
             fn neg(self) -> Self {
                 // SAFETY: see the module.
-                Self(unsafe { $neg(self.0) })
+                Self(unsafe { $neg!(self.0) })
             }
         }
 
@@ -56,13 +59,13 @@ macro_rules! arithmetic {
             #[inline(always)]
             fn mul_add(self, b: Self, c: Self) -> Self {
                 // SAFETY: see the module.
-                Self(unsafe { $fma(self.0, b.0, c.0) })
+                Self(unsafe { $fma!(self.0, b.0, c.0) })
             }
 
             #[inline(always)]
             fn neg_mul_add(self, b: Self, c: Self) -> Self {
                 // SAFETY: see the module.
-                Self(unsafe { $fnma(self.0, b.0, c.0) })
+                Self(unsafe { $fnma!(self.0, b.0, c.0) })
             }
         }
 

@@ -23,6 +23,22 @@ pub(super) fn dispatch<T: Task>(width: Width, task: T) -> T::Output {
     }
 }
 
+macro_rules! neg2 {
+    ($x:expr) => {
+        vnegq_f64($x)
+    };
+}
+macro_rules! fma2 {
+    ($a:expr, $b:expr, $c:expr) => {
+        vfmaq_f64($c, $a, $b)
+    };
+}
+macro_rules! fnma2 {
+    ($a:expr, $b:expr, $c:expr) => {
+        vfmsq_f64($c, $a, $b)
+    };
+}
+
 arithmetic!(
     F64x2,
     float64x2_t,
@@ -30,9 +46,9 @@ arithmetic!(
     vaddq_f64,
     vsubq_f64,
     vmulq_f64,
-    |x| vnegq_f64(x),
-    |a, b, c| vfmaq_f64(c, a, b),
-    |a, b, c| vfmsq_f64(c, a, b),
+    neg2,
+    fma2,
+    fnma2,
     vdupq_n_f64
 );
 

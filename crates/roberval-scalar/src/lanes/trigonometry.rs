@@ -60,15 +60,14 @@ pub(super) fn sin_cos<V: Quadrants>(x: V) -> (V, V) {
 /// Sine and cosine where |x| <= [`LARGEST`], elsewhere anything.
 #[inline(always)]
 fn reduced<V: Quadrants>(x: V) -> (V, V) {
-    let number = V::lift;
-    let rounded = x.mul_add(number(std::f64::consts::FRAC_2_PI), number(ROUNDER));
-    let turns = rounded - number(ROUNDER);
+    let rounded = x.mul_add(V::lift(std::f64::consts::FRAC_2_PI), V::lift(ROUNDER));
+    let turns = rounded - V::lift(ROUNDER);
     // Exact: both terms are multiples of 2^-53, and the difference is below 1.
-    let exact = turns.neg_mul_add(number(HALF_PI[0]), x);
-    let r = turns.neg_mul_add(number(HALF_PI[1]), exact);
+    let exact = turns.neg_mul_add(V::lift(HALF_PI[0]), x);
+    let r = turns.neg_mul_add(V::lift(HALF_PI[1]), exact);
     // What the rounding of r loses; nothing where r is small by cancellation.
-    let lost = turns.neg_mul_add(number(HALF_PI[1]), exact - r);
-    let tail = turns.neg_mul_add(number(HALF_PI[2]), lost);
+    let lost = turns.neg_mul_add(V::lift(HALF_PI[1]), exact - r);
+    let tail = turns.neg_mul_add(V::lift(HALF_PI[2]), lost);
     let (sin, cos) = of_remainder(r, tail);
     V::turn(rounded, sin, cos)
 }
@@ -77,21 +76,24 @@ fn reduced<V: Quadrants>(x: V) -> (V, V) {
 #[inline(always)]
 fn of_remainder<V: Lanes>(r: V, tail: V) -> (V, V) {
     let z = r * r;
-    let polynomial = |c: &[f64; 6]| {
-        let mut sum = V::lift(c[0]);
-        for &c in &c[1..] {
-            sum = sum.mul_add(z, V::lift(c));
-        }
-        sum
-    };
     let (one, half) = (V::lift(1.0), V::lift(0.5));
     // sin(r + t) = sin r + t cos r, cos(r + t) = cos r - t sin r.
     let flat = z * half;
     let leading = one - flat;
-    let sin = r + (r * z).mul_add(polynomial(&S), tail * leading);
+    let sin = r + (r * z).mul_add(polynomial(&S, z), tail * leading);
     let rest = (one - leading) - flat;
-    let cos = leading + (z * z).mul_add(polynomial(&C), r.neg_mul_add(tail, rest));
+    let cos = leading + (z * z).mul_add(polynomial(&C, z), r.neg_mul_add(tail, rest));
     (sin, cos)
+}
+
+/// A polynomial by Horner's rule.
+#[inline(always)]
+fn polynomial<V: Lanes>(c: &[f64; 6], z: V) -> V {
+    let mut sum = V::lift(c[0]);
+    for &c in &c[1..] {
+        sum = sum.mul_add(z, V::lift(c));
+    }
+    sum
 }
 
 /// Large angles, infinities and NaN anew, lane by lane; the others stay as they are.

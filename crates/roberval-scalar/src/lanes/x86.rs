@@ -50,6 +50,22 @@ fn one<T: Task>(task: T) -> T::Output {
     task.run::<Fused>()
 }
 
+macro_rules! neg8 {
+    ($x:expr) => {
+        _mm512_xor_pd($x, _mm512_set1_pd(-0.0))
+    };
+}
+macro_rules! fma8 {
+    ($a:expr, $b:expr, $c:expr) => {
+        _mm512_fmadd_pd($a, $b, $c)
+    };
+}
+macro_rules! fnma8 {
+    ($a:expr, $b:expr, $c:expr) => {
+        _mm512_fnmadd_pd($a, $b, $c)
+    };
+}
+
 arithmetic!(
     F64x8,
     __m512d,
@@ -57,11 +73,27 @@ arithmetic!(
     _mm512_add_pd,
     _mm512_sub_pd,
     _mm512_mul_pd,
-    |x| _mm512_xor_pd(x, _mm512_set1_pd(-0.0)),
-    _mm512_fmadd_pd,
-    _mm512_fnmadd_pd,
+    neg8,
+    fma8,
+    fnma8,
     _mm512_set1_pd
 );
+
+macro_rules! neg4 {
+    ($x:expr) => {
+        _mm256_xor_pd($x, _mm256_set1_pd(-0.0))
+    };
+}
+macro_rules! fma4 {
+    ($a:expr, $b:expr, $c:expr) => {
+        _mm256_fmadd_pd($a, $b, $c)
+    };
+}
+macro_rules! fnma4 {
+    ($a:expr, $b:expr, $c:expr) => {
+        _mm256_fnmadd_pd($a, $b, $c)
+    };
+}
 
 arithmetic!(
     F64x4,
@@ -70,9 +102,9 @@ arithmetic!(
     _mm256_add_pd,
     _mm256_sub_pd,
     _mm256_mul_pd,
-    |x| _mm256_xor_pd(x, _mm256_set1_pd(-0.0)),
-    _mm256_fmadd_pd,
-    _mm256_fnmadd_pd,
+    neg4,
+    fma4,
+    fnma4,
     _mm256_set1_pd
 );
 
@@ -129,11 +161,16 @@ impl Lanes for F64x8 {
 
     #[inline(always)]
     fn load_transposed(from: &[f64], stride: usize, to: &mut [Self]) {
+        assert!(from.len() >= 7 * stride + 8, "8 rows of 8 numbers");
         let mut rows = [F64x8::lift(0.0); 8];
         for (s, row) in rows.iter_mut().enumerate() {
-            *row = Self::load(&from[s * stride..]);
+            // SAFETY: row s begins at s * stride and its 8 numbers are there (asserted).
+            *row = Self(unsafe { _mm512_loadu_pd(from.as_ptr().add(s * stride)) });
         }
-        to[..8].copy_from_slice(&transposed8(rows));
+        let to = &mut to[..8];
+        for (to, column) in to.iter_mut().zip(transposed8(rows)) {
+            *to = column;
+        }
     }
 
     #[inline(always)]
@@ -142,8 +179,10 @@ impl Lanes for F64x8 {
         for (column, &source) in columns.iter_mut().zip(sources) {
             *column = stage[source as usize];
         }
+        assert!(to.len() >= 7 * stride + 8, "8 rows of 8 numbers");
         for (s, row) in transposed8(columns).into_iter().enumerate() {
-            row.store(&mut to[s * stride..]);
+            // SAFETY: row s begins at s * stride and its 8 numbers are there (asserted).
+            unsafe { _mm512_storeu_pd(to.as_mut_ptr().add(s * stride), row.0) }
         }
     }
 
@@ -288,11 +327,16 @@ impl Lanes for F64x4 {
 
     #[inline(always)]
     fn load_transposed(from: &[f64], stride: usize, to: &mut [Self]) {
+        assert!(from.len() >= 3 * stride + 4, "4 rows of 4 numbers");
         let mut rows = [F64x4::lift(0.0); 4];
         for (s, row) in rows.iter_mut().enumerate() {
-            *row = Self::load(&from[s * stride..]);
+            // SAFETY: row s begins at s * stride and its 4 numbers are there (asserted).
+            *row = Self(unsafe { _mm256_loadu_pd(from.as_ptr().add(s * stride)) });
         }
-        to[..4].copy_from_slice(&transposed4(rows));
+        let to = &mut to[..4];
+        for (to, column) in to.iter_mut().zip(transposed4(rows)) {
+            *to = column;
+        }
     }
 
     #[inline(always)]
@@ -301,8 +345,10 @@ impl Lanes for F64x4 {
         for (column, &source) in columns.iter_mut().zip(sources) {
             *column = stage[source as usize];
         }
+        assert!(to.len() >= 3 * stride + 4, "4 rows of 4 numbers");
         for (s, row) in transposed4(columns).into_iter().enumerate() {
-            row.store(&mut to[s * stride..]);
+            // SAFETY: row s begins at s * stride and its 4 numbers are there (asserted).
+            unsafe { _mm256_storeu_pd(to.as_mut_ptr().add(s * stride), row.0) }
         }
     }
 
