@@ -68,6 +68,10 @@ fn main() {
             let t2 = best(|| r.fill(Model::D, s, &mut out).unwrap()) / n as f64;
             let mut out = vec![0.0; r.packed_layout(Model::H).len(n, r.lanes())];
             let t3 = best(|| r.fill_packed(Model::H, s, &mut out).unwrap()) / n as f64;
+            let x = vec![1.0; c];
+            let mut out = vec![0.0; n * robot.dof()];
+            let t4 = best(|| r.torques(&x, s, &mut out).unwrap()) / n as f64;
+            print!(" torque {t4:.1}");
             print!(" {w:?} packed {t:.1} dense {t2:.1} h {t3:.1};");
         }
         let r = r0.clone();

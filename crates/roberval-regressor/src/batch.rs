@@ -1,7 +1,7 @@
 use roberval_mechanism::{JointKind, Mechanism, ParameterSpace};
 use roberval_scalar::{Magnitude, Scalar, Width, dispatch};
 
-use crate::lanes::{BadTile, FillPacked, FillRows, Pool};
+use crate::lanes::{BadTile, FillPacked, FillRows, FillTorques, Pool};
 use crate::packed::Export;
 use crate::sink::SelectedRows;
 use crate::{
@@ -166,6 +166,14 @@ impl Regressor {
         dispatch(self.width, task).map_err(|bad| states.fault(bad, self.dof()))
     }
 
+    /// The lanes for so many samples: one lane for one.
+    fn width_for(&self, samples: usize) -> Width {
+        match samples {
+            0 | 1 => self.width.min(Width::narrow()),
+            _ => self.width,
+        }
+    }
+
     /// Fills `out` by lanes.
     fn export(
         &self,
@@ -175,11 +183,6 @@ impl Regressor {
         export: &Export,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let width = if samples < 2 {
-            self.width.min(Width::narrow())
-        } else {
-            self.width
-        };
         let task = FillRows {
             pool: &self.pool,
             tree: &self.tree,
@@ -190,7 +193,7 @@ impl Regressor {
             stream: size_of_val(out) > STREAM_BYTES,
             out,
         };
-        dispatch(width, task).map_err(|bad| states.fault(bad, self.dof()))
+        dispatch(self.width_for(samples), task).map_err(|bad| states.fault(bad, self.dof()))
     }
 
     /// Number of joint variables n.
@@ -308,9 +311,22 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(self.dof())?;
+        let samples = states.count(self.dof())?;
         check_length("x", self.space.len(), x.len(), "one number a parameter")?;
         check_out(Model::D, samples, self.dof(), 1, out.len())?;
+        if self.width > Width::Plain {
+            let task = FillTorques {
+                pool: &self.pool,
+                tree: &self.tree,
+                space: &self.space,
+                states,
+                x,
+                out,
+            };
+            return dispatch(self.width_for(samples), task)
+                .map_err(|b| states.fault(b, self.dof()));
+        }
+        states.check(self.dof())?;
         let mut motion = Vec::new();
         let mut workspace = DynamicsWorkspace::new(&self.tree);
         for (sample, torques) in out.chunks_exact_mut(self.dof()).enumerate() {

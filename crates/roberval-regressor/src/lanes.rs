@@ -5,11 +5,14 @@ use std::fmt;
 use std::mem;
 use std::sync::Mutex;
 
-use roberval_scalar::{Lanes, Task};
+use roberval_mechanism::ParameterSpace;
+use roberval_scalar::{Lanes, MAX_LANES, Task};
 
 use crate::packed::{Export, Packed};
 use crate::tile::Tile;
-use crate::{DynamicsWorkspace, EnergyWorkspace, Model, Sink, States, Tree, dynamics, energy};
+use crate::{
+    DynamicsWorkspace, EnergyWorkspace, Model, Sink, States, Torques, Tree, dynamics, energy,
+};
 
 /// A state that is not finite is in the tile that begins with this sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -114,7 +117,7 @@ impl Task for FillRows<'_> {
             None => Box::new(Work::new(tree)),
         };
         let (mut stage, mut rows) = (mem::take(&mut work.stage), mem::take(&mut work.rows));
-        stage.resize(export.slots() + 1, V::lift(0.0));
+        stage.resize(stage.len().max(export.slots() + 1), V::lift(0.0));
         stage[export.slots()] = V::lift(0.0);
         let length = export.len();
         let whole = V::COUNT * length;
@@ -193,6 +196,50 @@ impl Task for FillPacked<'_> {
             }
         }
         work.rows = rows;
+        self.pool.give(work);
+        Ok(())
+    }
+}
+
+/// Torques of all samples: the rows times X.
+pub(crate) struct FillTorques<'a> {
+    pub pool: &'a Pool,
+    pub tree: &'a Tree<f64>,
+    pub space: &'a ParameterSpace,
+    pub states: States<'a>,
+    pub x: &'a [f64],
+    pub out: &'a mut [f64],
+}
+
+impl Task for FillTorques<'_> {
+    type Output = Result<(), BadTile>;
+
+    #[inline(always)]
+    fn run<V: Lanes>(self) -> Self::Output {
+        let (tree, n) = (self.tree, self.tree.dof);
+        let mut work = match self.pool.take::<Work<V>>() {
+            Some(work) => work,
+            None => Box::new(Work::new(tree)),
+        };
+        let mut torques = mem::take(&mut work.stage);
+        torques.resize(n.max(torques.len()), V::lift(0.0));
+        for (tile, out) in self.out.chunks_mut(V::COUNT * n).enumerate() {
+            torques[..n].fill(V::lift(0.0));
+            let mut sink = Torques {
+                space: self.space,
+                x: self.x,
+                torques: &mut torques[..n],
+            };
+            work.run(tree, Model::D, &self.states, tile * V::COUNT, &mut sink)?;
+            for (j, torque) in torques[..n].iter().enumerate() {
+                let mut lanes = [0.0; MAX_LANES];
+                torque.store(&mut lanes);
+                for (row, torque) in out.chunks_exact_mut(n).zip(lanes) {
+                    row[j] = torque;
+                }
+            }
+        }
+        work.stage = torques;
         self.pool.give(work);
         Ok(())
     }

@@ -93,6 +93,29 @@ fn lanes_agree_with_the_scalar_path_and_among_each_other() {
 }
 
 #[test]
+fn torques_are_the_rows_times_x() {
+    for (seed, robot) in robots().enumerate().take(40) {
+        let samples = SAMPLES[seed % SAMPLES.len()];
+        let batch = Batch::random(samples * robot.dof(), seed as u64);
+        let x = robot.standard_parameters().expect("generated with values");
+        for width in Width::ALL.into_iter().filter(|width| width.is_available()) {
+            let regressor = Regressor::new(&robot).with_width(width);
+            let mut torques = vec![f64::NAN; samples * robot.dof()];
+            regressor
+                .torques(&x, batch.states(), &mut torques)
+                .expect("valid");
+            let rows = rows(&regressor, Model::D, &batch, samples);
+            for (row, torque) in rows.chunks(x.len()).zip(&torques) {
+                let terms = row.iter().zip(&x).map(|(d, x)| d * x);
+                let size: f64 = terms.clone().map(f64::abs).sum();
+                let error = (terms.sum::<f64>() - torque).abs();
+                assert!(error <= ACCURACY * size, "robot {seed}, {width:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_sample_has_the_same_bits_alone_and_among_others() {
     for (seed, robot) in robots().enumerate().take(20) {
         let (n, samples) = (robot.dof(), 11);
