@@ -12,7 +12,7 @@ fn rows(criterion: &mut Criterion) {
     for (name, robot) in robots() {
         let regressor = Regressor::new(&robot);
         for (model, count) in [(Model::D, 1), (Model::D, BATCH), (Model::H, BATCH)] {
-            let samples = Samples::draw(&robot, count, 1);
+            let samples = Samples::draw(&robot, count, 1).expect("samples");
             let size = count * model.rows(robot.dof()) * regressor.parameters().len();
             let mut out = vec![0.0; size];
             group.throughput(Throughput::Elements(count as u64));
@@ -29,7 +29,7 @@ fn torques(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(BATCH as u64));
     for (name, robot) in robots() {
         let regressor = Regressor::new(&robot);
-        let samples = Samples::draw(&robot, BATCH, 1);
+        let samples = Samples::draw(&robot, BATCH, 1).expect("samples");
         let x = vec![1.0; regressor.parameters().len()];
         let mut out = vec![0.0; BATCH * robot.dof()];
         group.bench_function(BenchmarkId::new(format!("x {BATCH}"), name), |b| {

@@ -10,11 +10,13 @@ import pytest
 FOLDERS = {
     "erd": ("example-robot-data", "cmeel.prefix/share/example-robot-data/robots"),
     "rtb": ("rtb-data", "rtbdata/xacro"),
+    "armar": ("armar", "armar/description/urdf"),
+    "upkie": ("upkie-description", "upkie_description/urdf"),
 }
 
 
 def robot_file(name: str) -> Path:
-    """Find ``erd/...`` (example-robot-data) or ``rtb/...`` (rtb-data), or skip the test."""
+    """Find the file of ``erd/...`` and so on in its wheel, or skip the test."""
     wheel, path = name.split("/", 1)
     package, folder = FOLDERS[wheel]
     try:

@@ -9,6 +9,8 @@
 
 from ._core import __version__
 from .base import BaseParameters, Comparison, Relations, Route
+from .code import Code, Compiled, Count
+from .conventions import Convention, ParameterOrder, convention
 from .diagnosis import Blame, Diagnosis, Literal, Structure, Witness
 from .errors import (
     ArrayError,
@@ -24,10 +26,12 @@ from .errors import (
     UnknownParameterError,
 )
 from .exact import Exact, Surd
+from .linting import Finding, lint
 from .loading import CatalogueEntry, catalogue, load
 from .options import Choice, Engine, Model, Number, Snap
 from .robot import Link, Robot
 from .scaling import Grade, Scaling
+from .symbolic import SymbolicRelations
 
 __all__ = [
     "ArrayError",
@@ -35,11 +39,16 @@ __all__ = [
     "Blame",
     "CatalogueEntry",
     "Choice",
+    "Code",
     "Comparison",
+    "Compiled",
+    "Convention",
+    "Count",
     "Diagnosis",
     "DoubtfulRankWarning",
     "Engine",
     "Exact",
+    "Finding",
     "Grade",
     "InternalError",
     "Link",
@@ -49,6 +58,7 @@ __all__ = [
     "Number",
     "NumericalError",
     "OptionError",
+    "ParameterOrder",
     "Relations",
     "RobervalError",
     "Robot",
@@ -60,9 +70,12 @@ __all__ = [
     "Snap",
     "Structure",
     "Surd",
+    "SymbolicRelations",
     "UnknownParameterError",
     "Witness",
     "__version__",
     "catalogue",
+    "convention",
+    "lint",
     "load",
 ]

@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, arrays, rendering
+from . import _core, arrays, excel, files, rendering
 from .arrays import Array
+from .code import Code, Compiled
 from .diagnosis import Diagnosis
-from .errors import DoubtfulRankWarning, MissingPackageError, RobotWarning
+from .errors import DoubtfulRankWarning, MissingPackageError, OptionError, RobotWarning
 from .exact import Exact, coefficient
 from .options import Options
+from .plots import BasePlots
 from .rendering import Rendered
+from .symbolic import SymbolicRelations
 
 if TYPE_CHECKING:
     import pandas
+    import polars
 
     from .robot import Robot
 
@@ -316,6 +322,90 @@ class BaseParameters(Rendered):
         """
         return self._robot._rows(self.model, self._inner.base, q, qd, qdd, out)
 
+    def relations_symbolic(self, *, name_lengths: bool = False) -> SymbolicRelations:
+        """Return the relations in symbols, verified at random values of them.
+
+        Named constants of the robot's file stay symbols; where it has none, all lengths get
+        names such as d3, r4 (from a URDF x3, y3, z3). Constant angles that are not right
+        enter by their cosines and sines.
+
+        Parameters
+        ----------
+        name_lengths : bool
+            Give names to all lengths that have none.
+        """
+        return SymbolicRelations._of(self._inner.symbolic(name_lengths))
+
+    def code(
+        self,
+        language: str = "c",
+        what: str = "tau",
+        *,
+        parameters: str = "base",
+        friction: bool = False,
+    ) -> Code:
+        """Return the reduced model as straight-line code, customised to the robot.
+
+        Parameters
+        ----------
+        language : {"c", "rust", "python", "matlab"}
+            C99, Rust without std, NumPy over any number of samples, MATLAB or Octave.
+        what : {"tau", "regressor", "energy", "gravity", "mass"}
+            Inverse dynamics tau(q, qd, qdd), the reduced regressor d1, the energy row h1,
+            torques of gravity, mass matrix.
+        parameters : {"base", "standard"}
+            What the code takes as parameters.
+        friction : bool
+            Add ``Fv qd + Fc sign(qd)`` to tau, with two parameters more a joint.
+        """
+        if parameters not in ("base", "standard"):
+            raise OptionError(f"parameters is {parameters!r}, expected 'base' or 'standard'")
+        standard = parameters == "standard"
+        return Code._of(self._inner, language, what, standard=standard, friction=friction)
+
+    def compile(self) -> Compiled:
+        """Return a fast callable with the signature of `regressor`.
+
+        Generated C is compiled where a C compiler is found; else the package's own kernels
+        do the work.
+        """
+        return Compiled(self)
+
+    def to_html(self) -> str:
+        """Return the report as the text of one HTML page; see `report`."""
+        return self._inner.report()
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write a report to look at: one HTML page, offline, for a screen, a phone or paper.
+
+        Parameters
+        ----------
+        path : str or path
+            The file to write; one that exists is replaced.
+
+        Returns
+        -------
+        Path
+            The file, absolute.
+        """
+        return files.write(path, self._inner.report())
+
+    def _columns(self) -> dict[str, list[Any]]:
+        """Return the parameters as columns; None where there is no value."""
+        known = self._robot.inertial_values
+        values = dict(zip(self.base, self.values(), strict=True)) if known else {}
+        relation = dict(zip(self.regrouped_into, self.relations.text, strict=True))
+        labels = list(self.parameters)
+        return {
+            "parameter": labels,
+            "kind": [label.split("_", 1)[0] for label in labels],
+            "link": [label.split("_", 1)[1] for label in labels],
+            "class": list(self.classes.values()),
+            "X": [known.get(label) for label in labels],
+            "XB": [float(values[label]) if label in values else None for label in labels],
+            "relation": [relation.get(label, "") for label in labels],
+        }
+
     def to_frame(self) -> pandas.DataFrame:
         """Return a pandas DataFrame with one row for each standard parameter.
 
@@ -331,19 +421,56 @@ class BaseParameters(Rendered):
             import pandas
         except ImportError:
             raise MissingPackageError("to_frame needs pandas: pip install pandas") from None
-        known = self._robot.inertial_values
-        values = dict(zip(self.base, self.values(), strict=True)) if known else {}
-        relation = dict(zip(self.regrouped_into, self.relations.text, strict=True))
-        labels = list(self.parameters)
-        columns = {
-            "kind": [label.split("_", 1)[0] for label in labels],
-            "link": [label.split("_", 1)[1] for label in labels],
-            "class": list(self.classes.values()),
-            "X": [known.get(label, np.nan) for label in labels],
-            "XB": [values.get(label, np.nan) for label in labels],
-            "relation": [relation.get(label, "") for label in labels],
-        }
-        return pandas.DataFrame(columns, index=pandas.Index(labels, name="parameter"))
+        columns = self._columns()
+        index = pandas.Index(columns.pop("parameter"), name="parameter")
+        for name in ("X", "XB"):
+            columns[name] = [np.nan if x is None else x for x in columns[name]]
+        return pandas.DataFrame(columns, index=index)
+
+    def to_polars(self) -> polars.DataFrame:
+        """Return a polars DataFrame: the columns of `to_frame`, ``parameter`` first.
+
+        Raises
+        ------
+        MissingPackageError
+            polars is not installed.
+        """
+        try:
+            import polars
+        except ImportError:
+            raise MissingPackageError("to_polars needs polars: pip install polars") from None
+        return polars.DataFrame(
+            self._columns(), schema_overrides={"X": polars.Float64, "XB": polars.Float64}
+        )
+
+    def to_excel(self, path: str | os.PathLike[str]) -> Path:
+        """Write an Excel workbook: the parameters, and beta. No text becomes a formula.
+
+        Parameters
+        ----------
+        path : str or path
+            The file to write; one that exists is replaced.
+
+        Returns
+        -------
+        Path
+            The file, absolute.
+
+        Raises
+        ------
+        MissingPackageError
+            Neither xlsxwriter nor openpyxl is installed.
+        """
+        columns = self._columns()
+        parameters = [list(columns), *map(list, zip(*columns.values(), strict=True))]
+        beta = [["", *self.regrouped]]
+        beta += [[label, *row] for label, row in zip(self.base, self._beta.tolist(), strict=True)]
+        return files.write(path, excel.workbook({"parameters": parameters, "beta": beta}))
+
+    @property
+    def plot(self) -> BasePlots:
+        """Plots with matplotlib: ``spectrum``, ``classification``, ``beta`` and ``tree``."""
+        return BasePlots(self)
 
     def _repr_html_(self) -> str:
         classes = self.classes

@@ -1,30 +1,27 @@
 """Check a roberval certificate: `python check_certificate.py certificate.json`.
 
-This file stands alone: plain Python, whole numbers only, no code shared with roberval. From the
-geometry in the certificate it builds a model of its own, the energies of all links in the base's
-frame: whether the certificate is about d, d0 or h, parameters have no effect together exactly when
-they add a constant to the energy (Gautier 1991, eq. (11)). At random states of its own, modulo each
-prime and with 768 binary digits, it eliminates the base columns: they must be independent (modulo
-a prime this is a proof), leave nothing of any other column, at fresh states too, and give beta:
-exactly or, where the certificate says "nearest", rounded to the nearest double. Modulo a prime,
-random rotations stand for angles that are no multiples of 2 pi/angle_order. The SHA-256 alone
-guards version, model, seeds, samples, changes, texts of generic angles, rounding error, witnesses.
-Exit code: 0 accepted, 1 refused.
+This file stands alone: plain Python, whole numbers only, no code shared with roberval. It builds a
+model of its own, the energies of all links: whether the certificate is about d, d0 or h, parameters
+have no effect together exactly when they add a constant to the energy (Gautier 1991, eq. (11)). At
+random states, modulo each prime and with 768 binary digits, it eliminates the base columns: they
+must be independent (modulo a prime this is a proof), leave nothing of any other column, and give
+beta, exactly or rounded to the nearest double. Modulo a prime, powers of random rotations stand for
+multiples of units of angle, exactly if the only one is a number (Lindemann). The SHA-256 guards the
+other entries. Exit code: 0 accepted, 1 refused, 2 nothing to be read.
 """
 
-# ruff: noqa: B905
+# ruff: noqa: B905, D102, D103, E731
 import ast
 import hashlib
 import json
 import random
 import sys
+from collections.abc import Callable
 from fractions import Fraction
-from functools import partial
+from functools import partial, reduce
 from math import isqrt, lcm, prod
 from pathlib import Path
 from typing import Any
-
-__all__ = ["check"]
 
 BITS = 768  # binary digits behind the point
 FRESH = 3  # samples that must add nothing before the rank counts as reached
@@ -33,6 +30,7 @@ KEYS = """angle_order base beta changes degree failure_log2 format generic model
 primes rank regrouped robot robot_sha256 rounding_error samples seeds sha256 version witnesses"""
 Vector = list[int]
 Rotation = tuple[int, int]  # cosine and sine
+Op = Callable[..., Vector]
 canonical = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=False).encode
 draw = random.SystemRandom().randrange
 
@@ -45,8 +43,6 @@ def require(condition: bool, reason: str) -> None:
 def is_prime(n: int) -> bool:
     """Test as Miller and Rabin do: the first twelve primes decide all n below 3.3e24."""
     bases = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37]
-    if n < 41 or any(n % q == 0 for q in bases):
-        return n in bases
     twos = ((n - 1) & (1 - n)).bit_length() - 1
     powers = [[pow(a, (n - 1) >> k, n) for k in range(1, twos + 1)] for a in bases]
     return all(n - 1 in chain or chain[-1] == 1 for chain in powers)
@@ -67,66 +63,60 @@ def value(node: Any, n: Any) -> Any:
             return -value(a, n)
         case ast.BinOp(left=a, op=ast.Add() | ast.Sub() as sign, right=b):
             return value(a, n) + value(b, n) * (1 if isinstance(sign, ast.Add) else -1)
-        case ast.BinOp(left=a, op=ast.Mult(), right=b):
-            return n.reduce(value(a, n) * value(b, n))
-        case ast.BinOp(left=a, op=ast.Div(), right=b):
-            return n.reduce(value(a, n) * n.inverse(value(b, n)))
+        case ast.BinOp(left=a, op=ast.Mult() | ast.Div() as sign, right=b):
+            factor = value(b, n) if isinstance(sign, ast.Mult) else n.inverse(value(b, n))
+            return n.reduce(value(a, n) * factor)
     raise ValueError(f"{node!r} has no place in a number")
 
 
-class Field:
-    """Numbers modulo p; `order` is that of the rotation whose powers are the angles."""
+class Circle:
+    """What numbers modulo p and those with binary digits have in common: rotations."""
+
+    def point(self: Any) -> Rotation:
+        square = self.reduce((t := draw(self.span)) * t)
+        below = self.inverse(self.one + square)
+        return self.reduce((self.one - square) * below), self.reduce(2 * t * below)
+
+    def compose(self: Any, a: Rotation, b: Rotation) -> Rotation:
+        return self.reduce(a[0] * b[0] - a[1] * b[1]), self.reduce(a[0] * b[1] + a[1] * b[0])
+
+    def power(self: Any, a: Rotation, k: int) -> Rotation:
+        result = (self.one, 0)
+        for bit in f"{abs(k):b}":
+            result = self.compose(result, result)
+            result = self.compose(result, a) if bit == "1" else result
+        return result[0], result[1] if k > 0 else self.reduce(-self.one * result[1])
+
+
+class Field(Circle):
+    """Numbers modulo p; angles are powers of a rotation of this order and of units."""
 
     def __init__(self, p: int, order: int) -> None:
         self.p, self.span, self.one, self.tiny = p, p, 1, 0
         self.eye = ([1, 0, 0], [0, 1, 0], [0, 0, 1])
         self.reduce, self.inverse = p.__rmod__, partial(pow, exp=-1, mod=p)  # x % p, 1/x
         self.order, self.name, self.pi = order, f"modulo {p}", draw(p)
-        self.generic: dict[Any, Rotation] = {}
-        self.rotations, self.needed, self.turn = 0, 120, (1, 0)
+        self.units, self.steps, self.needed, self.turn = {"0": (1, 0)}, 0, 120, (1, 0)
+        quarter = self.turn
         require(order % 120 == 0, f"order {order} has no square roots of 2, 3 and 5")
         small = [q for q in range(1, isqrt(order) + 1) if order % q == 0]
-        divisors = small + [order // q for q in small[1:]]
-        while any(self.power(self.turn, d) == (1, 0) for d in divisors):
+        divisors = [d for q in small for d in (q, order // q) if d < order]
+        while any(self.power(self.turn, d) == (1, 0) for d in divisors) or quarter != (0, 1):
             self.turn = self.power(self.point(), (p + 1) // order)
-        if self.power(self.turn, order // 4) != (0, 1):
-            self.turn = (self.turn[0], -self.turn[1] % p)
+            quarter = self.power(self.turn, order // 4)
         cosine = [self.power(self.turn, order // k)[0] for k in (8, 12, 10)]
-        self.roots = {2: 2 * cosine[0], 3: 2 * cosine[1], 5: 4 * cosine[2] - 1}
+        roots = {2: 2 * cosine[0], 3: 2 * cosine[1], 5: 4 * cosine[2] - 1}
+        self.root = lambda x: roots.get(x, pow(x, (p + 1) // 4, p))
 
-    def root(self, x: int) -> int:
-        return self.roots.get(x, pow(x, (self.p + 1) // 4, self.p))
-
-    def point(self) -> Rotation:
-        t = draw(self.p)
-        below = self.inverse(1 + t * t)
-        return (1 - t * t) * below % self.p, 2 * t * below % self.p
-
-    def compose(self, a: Rotation, b: Rotation) -> Rotation:
-        return (a[0] * b[0] - a[1] * b[1]) % self.p, (a[0] * b[1] + a[1] * b[0]) % self.p
-
-    def power(self, a: Rotation, k: int) -> Rotation:
-        result = (1, 0)
-        for bit in f"{k:b}":
-            result = self.compose(result, result)
-            result = self.compose(result, a) if bit == "1" else result
-        return result
-
-    def cos_sin(self, r: str, s: str) -> Rotation:
-        """Take whole steps exactly; a random rotation stands for the rest, mirrored with it."""
-        steps, radians = Fraction(s) * self.order / 2, value(r, REALS)
-        rest = steps if steps.denominator > 1 else Fraction(0)
-        self.needed = lcm(self.needed, 1 if rest else (Fraction(s) / 2).denominator)
-        turn = self.power(self.turn, int(steps - rest) % self.order)
-        if radians == rest == 0:
-            return turn
-        self.rotations, sign = self.rotations + 1, -1 if (radians or rest) < 0 else 1
-        key = (abs(radians) + (1 << 40) >> 64, sign * rest)
-        cos, sin = self.generic.setdefault(key, self.point())
-        return self.compose(turn, (cos, sign * sin))
+    def cos_sin(self, s: str, k: int, unit: str) -> Rotation:
+        """Turn by s half turns, whole steps of the order, and k times by a random rotation."""
+        half = Fraction(s) / 2
+        self.needed, self.steps = lcm(self.needed, half.denominator), self.steps + abs(k)
+        turn = self.power(self.turn, int(half * self.order) % self.order)
+        return self.compose(turn, self.power(self.units.setdefault(unit, self.point()), k))
 
 
-class Reals:
+class Reals(Circle):
     """Numbers with BITS digits behind the binary point; rounding leaves some 2^-700."""
 
     one, tiny, span, name = 1 << BITS, 1 << BITS // 2, 1 << BITS, f"with {BITS} binary digits"
@@ -139,49 +129,34 @@ class Reals:
         terms = [(k, 4 * (2 - k % 4) << BITS) for k in range(1, BITS, 2)]
         self.pi = sum(4 * a // (k * 5**k) - a // (k * 239**k) for k, a in terms)
 
-    def cos_sin(self, r: str, s: str) -> Vector:
+    def cos_sin(self, s: str, k: int, unit: str) -> Vector:
         """Sum the exponential series of a 256th of the angle and double that eight times."""
-        x = value(f"{r} + {s}*pi", self) % (2 * self.pi) >> 8
+        x = value(f"{s}*pi + {k}*({unit})", self) % (2 * self.pi) >> 8
         term, sums = self.one, [0, 0]
-        for k in range(160):
-            sums[k % 2] += term if k % 4 < 2 else -term
-            term = (term * x >> BITS) // (k + 1)
+        for n in range(160):
+            sums[n % 2] += term if n % 4 < 2 else -term
+            term = (term * x >> BITS) // (n + 1)
         for _ in range(8):
             sums = [(sums[0] ** 2 - sums[1] ** 2) >> BITS, 2 * sums[0] * sums[1] >> BITS]
         return sums
 
 
-REALS = Reals()
-
-
-def add(*vectors: Vector) -> Vector:
-    return [sum(parts) for parts in zip(*vectors)]
-
-
-def times(n: Any, v: Vector, factor: int) -> Vector:
-    return [n.reduce(x * factor) for x in v]
-
-
-def minus(n: Any, row: Vector, f: int, pivot: Vector) -> Vector:
-    return [n.reduce(n.one * x - f * y) for x, y in zip(row, pivot)] if f else row
-
-
-def apply(n: Any, a: list[Vector], b: Vector) -> Vector:  # a is given by its columns
-    return [n.reduce(x * b[0] + y * b[1] + z * b[2]) for x, y, z in zip(*a)]
-
-
-def cross(n: Any, a: Vector, b: Vector) -> Vector:
-    return [n.reduce(a[i] * b[j] - a[j] * b[i]) for i, j in ((1, 2), (2, 0), (0, 1))]
+# Vectors; a rotation is given by its columns.
+add: Op = lambda *vectors: [sum(parts) for parts in zip(*vectors)]
+times: Op = lambda n, v, factor: [n.reduce(x * factor) for x in v]
+minus: Op = lambda n, v, f, w: [n.reduce(n.one * x - f * y) for x, y in zip(v, w)] if f else v
+apply: Op = lambda n, a, b: [n.reduce(x * b[0] + y * b[1] + z * b[2]) for x, y, z in zip(*a)]
+cross: Op = lambda n, a, b: [n.reduce(a[i] * b[i + 1] - a[i + 1] * b[i]) for i in (-2, -1, 0)]
 
 
 def placed(n: Any, steps: list[list[str]]) -> tuple[list[Vector], Vector]:
-    """Return rotation and origin after moves (x, y, z) and turns (axis, r, s) by r + s pi."""
+    """Return rotation and origin after moves x, y, z and turns about an axis by s pi + k unit."""
     rotation, origin = n.eye, [0, 0, 0]
     for kind, *step in steps:
         if kind == "move":
             origin = add(origin, apply(n, rotation, [value(x, n) for x in step]))
             continue
-        (cos, sin), k = n.cos_sin(step[1], step[2]), "xyz".index(step[0])
+        (cos, sin), k = n.cos_sin(*step[1:]), "xyz".index(step[0])
         i, j, turn = (k + 1) % 3, (k + 2) % 3, [[*column] for column in n.eye]
         turn[i][i], turn[i][j], turn[j][i], turn[j][j] = cos, sin, -sin, cos
         rotation = [apply(n, rotation, column) for column in turn]
@@ -191,12 +166,18 @@ def placed(n: Any, steps: list[list[str]]) -> tuple[list[Vector], Vector]:
 def energy(n: Any, links: list[Any], gravity: Vector) -> Vector:
     """Return 2 h at a random state: what each parameter adds to twice the energy."""
     row: Vector = []
+    drawn = {x: (draw(n.span), draw(n.span), n.point()) for *_, terms in links for x, *_ in terms}
     frames: dict[str | None, Any] = {None: (n.eye, [0, 0, 0], [0, 0, 0], [0, 0, 0])}
-    for name, antecedent, joint, rotor, (turn, shift), axis in links:
+    for name, antecedent, joint, rotor, (turn, shift), axis, start, terms in links:
         rotation, p, v, w = frames[antecedent]
         arm, rotation = apply(n, rotation, shift), [apply(n, rotation, e) for e in turn]
-        q, qd = draw(n.span), draw(n.span)
-        k = apply(n, rotation, axis)
+        q, qd, k = draw(n.span), draw(n.span), apply(n, rotation, axis)
+        if terms:  # it follows others: a sum, and on the circle a product of powers
+            q, qd = (n.reduce(sum(m * drawn[x][i] for x, m, _ in terms)) for i in (0, 1))
+            q += start if joint == "prismatic" else 0
+        if terms and joint == "revolute":
+            cos, sin = reduce(n.compose, [n.power(drawn[x][2], i) for x, _, i in terms], start)
+            q = n.reduce(sin * n.inverse(n.one + cos))
         if joint == "revolute":  # e + 2 (x x e + x x (x x e)) / (1 + x.x), x = k tan(angle/2)
             x = times(n, k, q)
             factor = 2 * n.inverse(n.one + n.reduce(sum(c * c for c in x)))
@@ -218,17 +199,26 @@ def energy(n: Any, links: list[Any], gravity: Vector) -> Vector:
     return row
 
 
-def eliminate(n: Any, cert: Any, labels: list[str]) -> None:
+def eliminate(n: Any, cert: Any, labels: list[str]) -> int:
     """Eliminate the base columns from random rows: nothing may be left, and beta comes out."""
-    gravity, links = [value(x, n) for x in cert["robot"]["gravity"]], []
-    for link in cert["robot"]["links"]:
-        head = [link[key] for key in ("name", "antecedent", "joint", "rotor")]
-        links.append([*head, placed(n, link["placement"]), [value(x, n) for x in link["axis"]]])
+    robot, links, turns = cert["robot"], list[Any](), 0
+    gravity = [value(x, n) for x in robot["gravity"]]
+    for link in robot["links"]:
+        joint, (start, terms) = link["joint"], link["couple"] or ("0", [])
+        turned = joint == "revolute" and bool(terms)
+        powers = [Fraction(m) * robot["roots"][x] if turned else Fraction(0) for x, m in terms]
+        require({k.denominator for k in powers} <= {1}, f"{link['name']} is at no whole powers")
+        turns += int(sum(map(abs, powers))) if turned else joint != "fixed"
+        start = n.cos_sin(*start) if turned else value(start, n)
+        terms = [(x, value(m, n), int(k)) for (x, m), k in zip(terms, powers)]
+        axis, place = [value(x, n) for x in link["axis"]], placed(n, link["placement"])
+        head = link["name"], link["antecedent"], joint, link["rotor"]
+        links.append((*head, place, axis, start, terms))
     kept, b = cert["base"] + cert["regrouped"], len(cert["base"])
     pivots: list[tuple[int, Vector]] = []
-    start, columns, silent = energy(n, links, gravity), [labels.index(x) for x in kept], 0
+    first, columns, silent = energy(n, links, gravity), [labels.index(x) for x in kept], 0
     while silent < FRESH:
-        full = [n.reduce(n.one * (x - y)) for x, y in zip(energy(n, links, gravity), start)]
+        full = [n.reduce(n.one * (x - y)) for x, y in zip(energy(n, links, gravity), first)]
         for x in cert["no_effect"]:
             require(abs(full[labels.index(x)]) <= n.tiny, f"{x} has an effect, {n.name}")
         row = [full[column] for column in columns]
@@ -248,6 +238,7 @@ def eliminate(n: Any, cert: Any, labels: list[str]) -> None:
         for x, found in zip(kept[b:], row[b:]):
             text = beta.get((kept[k], x), "0")
             require(agrees(n, found, text), f"beta of {kept[k]}, {x} is not {text}, {n.name}")
+    return turns
 
 
 def agrees(n: Any, found: int, text: str) -> bool:
@@ -262,14 +253,14 @@ def agrees(n: Any, found: int, text: str) -> bool:
 def check(text: str) -> str:
     """Return a line about an accepted certificate, else raise ValueError or what is malformed."""
     cert = json.loads(text)
-    robot, base, order, primes = (cert[key] for key in ("robot", "base", "order", "primes"))
     require(canonical(cert) + "\n" == text and sorted(cert) == KEYS.split(), "not in its form")
     require(cert["format"] == "roberval certificate 1", "this is another format")
+    robot, base, order, primes = (cert[key] for key in ("robot", "base", "order", "primes"))
     for name, part in (("robot_sha256", robot), ("sha256", {**cert, "sha256": ""})):
         digest = hashlib.sha256(canonical(part).encode()).hexdigest()
         require(cert[name] == digest, f"{name} is that of something else: it was changed")
-    joints, kinds = [link["joint"] for link in robot["links"]], {"revolute", "prismatic", "fixed"}
-    require({*joints} <= kinds and cert["model"] in ("d", "d0", "h"), "no such joint or model")
+    joints, known = {x["joint"] for x in robot["links"]}, {"revolute", "prismatic", "fixed"}
+    require(joints <= known and cert["model"] in ("d", "d0", "h"), "no such joint or model")
     labels = [f"{x}_{y['name']}" for y in robot["links"] for x in KINDS[: 10 + y["rotor"]]]
     columns = sorted(cert["no_effect"] + base + cert["regrouped"])
     require(columns == sorted({*labels}) == sorted(order), "the columns are not those of the robot")
@@ -280,21 +271,30 @@ def check(text: str) -> str:
     require({j for _, j, _ in cert["beta"]} == {*cert["regrouped"]}, "beta has an empty column")
     require(len({*primes}) == len(primes) >= 2, "there are less than two primes")
     for p in primes:
-        require(1 << 61 < p < 1 << 62 and is_prime(p), f"{p} is no prime of 62 bits")
-        require((p + 1) % cert["angle_order"] == 0, f"{p} is of another class")
-        eliminate(field := Field(p, cert["angle_order"]), cert, labels)
+        fits = 1 << 61 < p < 1 << 62 and (p + 1) % cert["angle_order"] == 0 and is_prime(p)
+        require(fits, f"{p} is no prime of 62 bits, -1 modulo the angles' order")
+        turns = eliminate(field := Field(p, cert["angle_order"]), cert, labels)
         require(field.needed == cert["angle_order"], f"the angles' order is {field.needed}")
-    eliminate(REALS, cert, labels)
-    degree = 6 * (len(joints) - joints.count("fixed") + field.rotations) + 2
+    eliminate(Reals(), cert, labels)
+    degree = 6 * (turns + field.steps) + 2
     require(cert["degree"] == degree, f"the degree is {degree}")
-    require(len(cert["generic"]) == len(field.generic), "other angles are generic")
+    numbers = sum(not any(map(str.isalpha, unit)) for unit in field.units)  # "0" among them
+    generic = len(field.units) - (2 if numbers == 2 else 1)
+    require(len(cert["generic"]) == generic, f"{generic} angles are generic")
     bits = ((len(base) * degree) ** len(primes)).bit_length() - prod(primes).bit_length() + 1
-    require(cert["failure_log2"] == bits, f"the rank may be too low with probability 2^{bits}")
+    require(cert["failure_log2"] == bits < 0, f"the rank may be too low with probability 2^{bits}")
     return f"accepted: {robot['name']}: {len(base)} base parameters of {len(labels)}"
 
 
 if __name__ == "__main__":
+    code, verdict = 2, f"cannot read {' '.join(sys.argv[1:]) or 'anything'}"
     try:
-        print(check(Path(sys.argv[1]).read_text(encoding="utf-8")))
+        require(len(sys.argv) == 2, "give one file, as in: python check_certificate.py cert.json")
+        text = Path(sys.argv[1]).read_text(encoding="utf-8")
+        require(isinstance(json.loads(text), dict) and '"sha256"' in text, "this is no certificate")
+        code, verdict = 1, "refused"
+        code, verdict = 0, check(text)
     except Exception as error:  # whatever a malformed file leads to
-        sys.exit(f"refused: {error if isinstance(error, ValueError) else repr(error)}")
+        verdict += f": {error if isinstance(error, OSError | ValueError) else repr(error)}"
+    print(verdict, file=sys.stderr if code else sys.stdout)
+    sys.exit(code)

@@ -22,7 +22,7 @@ class Structure:
     failure_probability : float
         An upper bound of the probability that the rank is too low. It is never too high.
     generic : tuple of str
-        Angles that stood for generic ones, as written.
+        Angles with too many digits for a common unit, taken as unrelated; as written.
     """
 
     rank: int
@@ -44,12 +44,18 @@ class Witness:
         The rank it finds.
     gap, gap_at_structural : float or None
         The gap of its spectrum at its own rank, and at the exact one.
+    spectrum : tuple of float
+        What it decides on, nonincreasing.
+    tolerance : float
+        Entries of the spectrum at or below it count as zero.
     """
 
     engine: str
     rank: int
     gap: float | None
     gap_at_structural: float | None
+    spectrum: tuple[float, ...]
+    tolerance: float
 
 
 class Blame(NamedTuple):
@@ -131,7 +137,10 @@ class Diagnosis:
             residual=core.residual,
             messages=tuple(core.messages),
             structure=_structure(core),
-            witnesses=tuple(Witness(*witness) for witness in core.witnesses),
+            witnesses=tuple(
+                Witness(engine, rank, gap, at, tuple(spectrum), tolerance)
+                for engine, rank, gap, at, spectrum, tolerance in core.witnesses
+            ),
             literal=_literal(core),
         )
 

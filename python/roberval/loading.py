@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NamedTuple
 
-from . import _core
+from . import _core, importers
 from .options import Number, Snap, reading
 from .robot import Robot
 
@@ -37,7 +38,10 @@ def load(
     snap: Snap = "default",
     gravity: Sequence[Number] | None = None,
 ) -> Robot:
-    """Load a robot: a built-in one by its name, or a robot TOML or URDF file.
+    """Load a robot: a built-in one by its name, or a robot file.
+
+    Robot TOML and URDF are read by roberval itself; MJCF needs the package mujoco, xacro the
+    package xacrodoc, and names such as ``panda_description`` the package robot_descriptions.
 
     Parameters
     ----------
@@ -72,6 +76,12 @@ def load(
     Robot('PUMA 560', 6 revolute joints, 66 parameters)
     """
     asked = reading(keep_fixed=keep_fixed, rotors=rotors, snap=snap, gravity=gravity)
+    path = Path(path_or_name)
+    if not path.exists():
+        path = importers.described(os.fspath(path_or_name)) or path
+        path_or_name = path
+    if kind := importers.kind_of(path):
+        return Robot._imported(importers.read(path, kind), asked)
     return Robot._of(_core.Robot.load(os.fspath(path_or_name), asked), asked)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple, SupportsIndex
+from typing import TYPE_CHECKING, Any, NamedTuple, SupportsIndex
 
 import numpy as np
 import numpy.typing as npt
@@ -13,10 +13,15 @@ import numpy.typing as npt
 from . import _core, arrays, mdh, rendering
 from .arrays import Array
 from .base import BaseParameters, Comparison, analyse
+from .conventions import Order, ParameterOrder
 from .errors import OptionError, RobervalError, RobotWarning, ShapeError
 from .options import Choice, Engine, Model, Number, Reading, Snap, options, reading
+from .plots import RobotPlots
 from .rendering import Rendered
 from .scaling import Scaling, scaling_options
+
+if TYPE_CHECKING:
+    from .importers import Text
 
 
 class Link(NamedTuple):
@@ -192,6 +197,123 @@ class Robot(Rendered):
             return cls._of(_core.Robot.from_urdf(text, "robot.urdf", asked), asked)
         return cls._of(_core.Robot.load(text, asked), asked)
 
+    @classmethod
+    def from_mujoco(
+        cls,
+        model: Any,
+        *,
+        rotors: bool = True,
+        snap: Snap = "default",
+        gravity: Sequence[Number] | None = None,
+    ) -> Robot:
+        """Read a MuJoCo model (needs the package mujoco).
+
+        The frame of a link lies at its joint, in the axes of its body. A body with several
+        joints becomes several links, the first ones without mass; ball joints become three
+        hinges. Equality constraints of two joints become couples; what is not applied is
+        warned of. Joint variables are 0 where the model has ``qpos0``.
+
+        Parameters
+        ----------
+        model : mujoco.MjModel, mujoco.MjSpec, str or path
+            The model, MJCF text (anything that begins with ``<``), or the path of a file.
+        rotors, snap, gravity
+            As in `load`.
+
+        Raises
+        ------
+        MissingPackageError
+            mujoco is not installed.
+        RobotError
+            The model cannot be read.
+        """
+        from .importers import mujoco
+
+        return cls._imported(
+            mujoco.from_any(model), reading(rotors=rotors, snap=snap, gravity=gravity)
+        )
+
+    @classmethod
+    def from_pinocchio(
+        cls,
+        model: Any,
+        *,
+        rotors: bool = True,
+        snap: Snap = "default",
+        gravity: Sequence[Number] | None = None,
+    ) -> Robot:
+        """Read a Pinocchio model (needs the package pin).
+
+        Links have the frames of the joints, and the names of the bodies there.
+
+        Parameters
+        ----------
+        model : pinocchio.Model
+        rotors, snap, gravity
+            As in `load`.
+
+        Raises
+        ------
+        MissingPackageError
+            Pinocchio is not installed.
+        RobotError
+            A joint has a type that is not supported.
+        """
+        from .importers import pinocchio
+
+        return cls._imported(
+            pinocchio.from_model(model), reading(rotors=rotors, snap=snap, gravity=gravity)
+        )
+
+    @classmethod
+    def _imported(cls, read: Text, asked: Reading) -> Robot:
+        make = _core.Robot.from_urdf if read.kind == "urdf" else _core.Robot.from_toml
+        robot = cls._quietly(make(read.text, "imported model", asked), asked)
+        for warning in (*read.warnings, *robot.warnings):
+            warnings.warn(f"{robot.name}: {warning}", RobotWarning, stacklevel=3)
+        return robot
+
+    def order(self, name: Order) -> ParameterOrder:
+        """Map standard parameters to another convention and back.
+
+        Parameters
+        ----------
+        name : {"paper", "pinocchio", "urdf", "mujoco"}
+            See `Convention`.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import roberval as rv
+        >>> ur5 = rv.load("ur5")
+        >>> X = np.arange(66.0)
+        >>> there, armature = ur5.order("pinocchio").from_paper(X)
+        >>> there[0].tolist()  # m mx my mz Ixx Ixy Iyy Ixz Iyz Izz of the first link
+        [9.0, 6.0, 7.0, 8.0, 0.0, 1.0, 3.0, 2.0, 4.0, 5.0]
+        >>> bool((ur5.order("pinocchio").to_paper(there, armature) == X).all())
+        True
+        """
+        return ParameterOrder(self, name)
+
+    def to_urdf(self) -> str:
+        """Return the robot as the text of a URDF: the same links, frames and known inertias.
+
+        Rotor inertias and gravity, which URDF does not have, are comments.
+
+        Raises
+        ------
+        RobotError
+            A joint follows from several others, which URDF cannot say.
+
+        Examples
+        --------
+        >>> import roberval as rv
+        >>> puma = rv.load("puma560")
+        >>> rv.Robot.from_urdf(puma.to_urdf()).base_parameters().base == puma.base_parameters().base
+        True
+        """
+        return self._inner.to_urdf()
+
     def to_toml(self, *, cleaned: bool = False) -> str:
         """Return the robot as robot TOML.
 
@@ -230,6 +352,33 @@ class Robot(Rendered):
         """Names of the n moving joints in the order of q; of their links where they have none."""
         moving = (link for link in self._links if link.joint != "fixed")
         return tuple(link.joint_name or link.name for link in moving)
+
+    @property
+    def axes(self) -> Array:
+        """The joints' unit axes in the links' frames, shape (links, 3)."""
+        return np.array([axis for _, _, axis in self._inner.placements])
+
+    def frames(self) -> Array:
+        """Return the links' frames in the base frame at joint variables 0.
+
+        Returns
+        -------
+        ndarray, shape (links, 4, 4)
+            Homogeneous transformations: columns are the axes x, y, z and the origin (m).
+        """
+        frames = np.zeros((len(self._links), 4, 4))
+        index = {link.name: j for j, link in enumerate(self._links)}
+        for j, (rotation, origin, _) in enumerate(self._inner.placements):
+            on = np.eye(4)
+            on[:3, :3], on[:3, 3] = rotation, origin
+            above = self._links[j].antecedent
+            frames[j] = on if above is None else frames[index[above]] @ on
+        return frames
+
+    @property
+    def plot(self) -> RobotPlots:
+        """Plots with matplotlib: ``robot.plot.tree()``."""
+        return RobotPlots(self)
 
     @property
     def n(self) -> int:

@@ -5,17 +5,19 @@
 //! The certificate is one line of canonical JSON (keys sorted, no spaces, whole numbers
 //! and texts only), so that its SHA-256 fixes every byte of it.
 
+mod couples;
 mod numbers;
 
 use num_bigint::BigUint;
 use roberval_mechanism::{Geometry, JointKind, Link, LinkDescription, Mechanism};
-use roberval_regressor::Model;
+use roberval_regressor::{AngleOrder, AngleUnits, Model};
 use roberval_scalar::Quantity;
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::{ExactDecision, Witness};
-use numbers::{Constants, coefficient, exact_angle, exact_text};
+use couples::Couples;
+use numbers::{Constants, coefficient, exact_text, unit_text};
 
 /// The name of this form of certificate.
 const FORMAT: &str = "roberval certificate 1";
@@ -48,6 +50,14 @@ pub enum CertificateError {
         text: String,
         /// The limit.
         limit: usize,
+    },
+    /// A multiplier or an axis of coupled joints is no fraction, or its numbers are too large.
+    #[error(
+        "the joint {joint:?} follows others in a way that has no form in a certificate: its multiplier or axis must be fractions of small numbers"
+    )]
+    Couple {
+        /// The joint.
+        joint: String,
     },
     /// The coefficients are not known well enough.
     #[error(
@@ -120,20 +130,26 @@ pub fn certificate_text(certificate: &Value) -> String {
 fn robot(mechanism: &Mechanism) -> Result<Value, CertificateError> {
     let description = &mechanism.description;
     let constants = description.constants.as_slice();
+    let units = AngleUnits::of(mechanism, AngleOrder::of(mechanism));
+    let couples = Couples::of(mechanism, &units)?;
+    let mut variables = 0..;
     let links: Vec<Value> = mechanism
         .links
         .iter()
         .map(|link| {
+            let moves = link.joint != JointKind::Fixed;
+            let variable = moves.then(|| variables.next()).flatten();
             let antecedent = link.antecedent.map(|a| mechanism.links[a].name.as_str());
             let written = &description.links[link.in_file];
-            let (placement, axis) = geometry(written, constants)?;
+            let (placement, axis) = geometry(written, constants, &units)?;
             Ok(json!({
                 "name": link.name,
                 "antecedent": antecedent,
                 "joint": joint(link),
                 "rotor": link.rotor,
                 "placement": placement,
-                "axis": axis,
+                "axis": couples.axis(variable, written, axis)?,
+                "couple": couples.couple(variable)?,
             }))
         })
         .collect::<Result<_, _>>()?;
@@ -141,6 +157,7 @@ fn robot(mechanism: &Mechanism) -> Result<Value, CertificateError> {
         "name": mechanism.name,
         "gravity": vector(&description.gravity, constants)?,
         "links": links,
+        "roots": couples.roots(),
     }))
 }
 
@@ -152,18 +169,19 @@ fn joint(link: &Link) -> &'static str {
     }
 }
 
-/// Moves `["move", x, y, z]` and turns `["turn", axis, r, s]` by r + s pi, left to right,
-/// from the antecedent's frame to the link's; then the joint axis.
+/// Moves `["move", x, y, z]` and turns `["turn", axis, s, k, unit]` by s pi + k unit, left to
+/// right, from the antecedent's frame to the link's; then the joint axis.
 fn geometry(
     link: &LinkDescription,
     constants: &Constants,
+    units: &AngleUnits<'_>,
 ) -> Result<(Vec<Value>, [String; 3]), CertificateError> {
     let length = |x: &Quantity| exact_text(x, constants);
-    let turn = |axis: &str, x: &Quantity| {
-        let (r, s) = exact_angle(x, constants)?;
-        Ok(json!(["turn", axis, r, s]))
-    };
     let zero = || "0".to_owned();
+    let turn = |axis: &str, x: &Quantity| {
+        let (half_turns, steps, unit) = angle(x, constants, units)?;
+        Ok(json!(["turn", axis, half_turns, steps, unit]))
+    };
     match &link.geometry {
         Geometry::Mdh(g) => {
             let steps = vec![
@@ -189,6 +207,20 @@ fn geometry(
     }
 }
 
+/// (s, k, unit) of the angle s pi + k unit.
+fn angle(
+    x: &Quantity,
+    constants: &Constants,
+    units: &AngleUnits<'_>,
+) -> Result<(String, i64, String), CertificateError> {
+    let parts = units.parts(x);
+    let (steps, unit) = match parts.multiple {
+        Some((unit, steps)) => (steps, unit_text(&units.units()[unit], constants)?),
+        None => (0, "0".to_owned()),
+    };
+    Ok((parts.half_turns.to_string(), steps, unit))
+}
+
 fn vector(v: &[Quantity; 3], constants: &Constants) -> Result<[String; 3], CertificateError> {
     let text = |k: usize| exact_text(&v[k], constants);
     Ok([text(0)?, text(1)?, text(2)?])
@@ -211,7 +243,7 @@ fn beta(decision: &ExactDecision, labels: &[String]) -> Vec<Value> {
 /// bit lengths of both (Schwartz and Zippel: a field misses rank with at most this
 /// probability).
 fn failure_log2(decision: &ExactDecision) -> i64 {
-    let one_field = BigUint::from(decision.kept.len() * decision.degree);
+    let one_field = BigUint::from(decision.kept.len()) * decision.degree;
     let numerator = one_field.pow(decision.primes.len() as u32);
     let denominator: BigUint = decision.primes.iter().product();
     numerator.bits() as i64 - denominator.bits() as i64 + 1
@@ -225,6 +257,14 @@ fn witness(witness: &Witness) -> Value {
         "gap": gap(witness.gap),
         "gap_at_structural": gap(witness.gap_at_structural),
     })
+}
+
+/// The SHA-256 of what the analysis depends on in a robot: a certificate's `robot_sha256`.
+///
+/// # Errors
+/// [`CertificateError::TooLong`] if a number is too long to be written.
+pub fn robot_sha256(mechanism: &Mechanism) -> Result<String, CertificateError> {
+    Ok(sha256(&robot(mechanism)?))
 }
 
 fn sha256(value: &Value) -> String {

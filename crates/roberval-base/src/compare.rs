@@ -55,7 +55,7 @@ pub fn compare(
     let mut routes: Vec<Route> = Vec::new();
     let mut failures = Vec::new();
     for model in Model::ALL {
-        for engine in Engine::ALL {
+        for engine in engines(mechanism) {
             let options = Options {
                 model,
                 engine,
@@ -97,6 +97,16 @@ pub fn compare(
         failures,
         agree,
     })
+}
+
+/// The engines that differ for this mechanism: the exact one, or else pairs of doubles.
+fn engines(mechanism: &Mechanism) -> Vec<Engine> {
+    let skipped = match mechanism.assembly {
+        None => Engine::Precise,
+        Some(_) => Engine::Exact,
+    };
+    let all = Engine::ALL.into_iter();
+    all.filter(|engine| *engine != skipped).collect()
 }
 
 fn same_columns(a: &BaseParameters, b: &BaseParameters) -> bool {

@@ -4,7 +4,7 @@ use roberval_linalg::RankDecision;
 use roberval_mechanism::ParameterSpace;
 
 use crate::engine::Judgement;
-use crate::{Engine, ExactDecision, Literal};
+use crate::{Engine, ExactDecision, Literal, NullspaceDecision, Precision};
 
 /// The dropped and the kept part of the spectrum must be this far apart, or the rank is
 /// doubtful: clean geometry shows 1e10 and more.
@@ -20,7 +20,7 @@ const KNOWN_COEFFICIENT: f64 = 1e-9;
 
 /// Relations hold at fresh samples to this, relative to the column, or the rank is
 /// doubtful: rounding leaves 1e-12 on a 36-link chain.
-const FRESH_RESIDUAL: f64 = 1e-9;
+pub(crate) const FRESH_RESIDUAL: f64 = 1e-9;
 
 /// How sure a rank is.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +42,8 @@ pub struct Diagnosis {
     pub messages: Vec<String>,
     /// How the exact engine decided, if it did.
     pub structure: Option<Structure>,
+    /// How pairs of doubles decided, if they did.
+    pub precision: Option<Precision>,
     /// What the float engines make of the same robot.
     pub witnesses: Vec<Witness>,
     /// What the file as written gives, if it was cleaned.
@@ -54,8 +56,10 @@ pub struct Structure {
     /// b, decided without a tolerance.
     pub rank: usize,
     /// The rank by the parameter nullspace algorithm, which shares no code with the
-    /// regressor: it must be the same.
-    pub nullspace_rank: usize,
+    /// regressor: it must be the same. `None` with constraints, which it does not know.
+    pub nullspace_rank: Option<usize>,
+    /// The tree without its constraints, of a mechanism that has some.
+    pub opened: Option<Opened>,
     /// The primes of the fields that agreed.
     pub primes: Vec<u64>,
     /// The seeds of their random values.
@@ -66,8 +70,28 @@ pub struct Structure {
     pub generic: Vec<String>,
 }
 
+/// The tree that is left where couples are opened, with the same rotors.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Opened {
+    /// Its number of base parameters.
+    pub rank: usize,
+    /// The columns that the paper's choice keeps in the tree and not in the mechanism,
+    /// ascending: what the constraints remove beyond the tree.
+    pub removed: Vec<usize>,
+}
+
+impl Opened {
+    pub(crate) fn of(tree: &NullspaceDecision, kept: &[usize]) -> Self {
+        let removed = tree.kept.iter().filter(|c| !kept.contains(c));
+        Self {
+            rank: tree.rank,
+            removed: removed.copied().collect(),
+        }
+    }
+}
+
 /// What a float engine makes of the robot that the exact engine decided.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Witness {
     /// The engine.
     pub engine: Engine,
@@ -78,6 +102,10 @@ pub struct Witness {
     /// The gap of its spectrum at the structural rank; `None` if nothing is on one side
     /// (or, for the staircase, where the spectrum is not in order).
     pub gap_at_structural: Option<f64>,
+    /// What it decides on, nonincreasing.
+    pub spectrum: Vec<f64>,
+    /// Entries of the spectrum at or below it count as zero.
+    pub tolerance: f64,
 }
 
 impl Diagnosis {
@@ -113,15 +141,18 @@ impl Diagnosis {
             residual,
             messages,
             structure: None,
+            precision: None,
             witnesses: Vec::new(),
             literal: None,
         }
     }
 
-    /// The diagnosis of an exact decision: the first witness shows its spectrum.
+    /// The diagnosis of an exact decision: the first witness shows its spectrum. `tree` is
+    /// what the nullspace algorithm says of the tree, whose constraints are `opened`.
     pub(crate) fn structural(
         exact: &ExactDecision,
-        nullspace_rank: usize,
+        tree: &NullspaceDecision,
+        opened: bool,
         judgements: &[(Engine, Judgement)],
         literal: Option<Literal>,
         residual: f64,
@@ -146,7 +177,10 @@ impl Diagnosis {
                     .to_owned()
             });
         }
-        if nullspace_rank != rank {
+        let nullspace_rank = (!opened).then_some(tree.rank);
+        if let Some(nullspace_rank) = nullspace_rank
+            && nullspace_rank != rank
+        {
             messages.push(format!(
                 "the parameter nullspace algorithm counts {nullspace_rank} instead of {rank}: please report this robot"
             ));
@@ -177,11 +211,13 @@ impl Diagnosis {
             structure: Some(Structure {
                 rank,
                 nullspace_rank,
+                opened: opened.then(|| Opened::of(tree, &exact.kept)),
                 primes: exact.primes.clone(),
                 seeds: exact.seeds.clone(),
                 failure_probability: exact.failure_probability,
                 generic: exact.generic.clone(),
             }),
+            precision: None,
             witnesses,
             literal,
         }
@@ -190,7 +226,7 @@ impl Diagnosis {
 
 impl Literal {
     /// What the user should know of the file as written.
-    fn messages(&self, rank: usize) -> Vec<String> {
+    pub(crate) fn messages(&self, rank: usize) -> Vec<String> {
         let mut messages = Vec::new();
         if self.rank != rank {
             let causes: Vec<&str> = self.blame.iter().map(|b| b.what.as_str()).collect();
@@ -211,7 +247,7 @@ impl Literal {
 }
 
 impl Witness {
-    fn of(engine: Engine, decision: &RankDecision, rank: usize) -> Self {
+    pub(crate) fn of(engine: Engine, decision: &RankDecision, rank: usize) -> Self {
         let mut sorted = decision.spectrum.clone();
         sorted.sort_by(|a, b| b.total_cmp(a));
         let gap = (rank > 0 && rank < sorted.len()).then(|| sorted[rank - 1] / sorted[rank]);
@@ -220,10 +256,12 @@ impl Witness {
             rank: decision.rank,
             gap: decision.gap,
             gap_at_structural: gap,
+            spectrum: sorted,
+            tolerance: decision.tolerance,
         }
     }
 
-    fn dissent(&self, rank: usize) -> String {
+    pub(crate) fn dissent(&self, rank: usize) -> String {
         let engine = self.engine.name();
         format!(
             "in floats, {engine} counts {} instead of {rank}: its gap is {} there and {} at {rank}",
@@ -247,7 +285,8 @@ fn generic_angles(texts: &[String]) -> String {
         ""
     };
     format!(
-        "decided for generic values of the angles {named}{more} (rad), which have no exact cosine"
+        "decided as if the angles {named}{more} (rad) were not related: they have too many digits \
+         for a common unit"
     )
 }
 

@@ -12,6 +12,10 @@ pub enum Engine {
     /// Elimination modulo primes: rank, choice and beta without a tolerance.
     #[default]
     Exact,
+    /// Pairs of doubles: a tolerance far from rounding and from all that is not zero.
+    /// [`Engine::Exact`] becomes this where a mechanism has constraints that it cannot
+    /// decide.
+    Precise,
     /// QR without pivoting (Gautier 1991, eq. (13)), as a staircase: rank and choice in
     /// one pass, beta = R1^-1 R2.
     Qr,
@@ -40,16 +44,17 @@ pub(crate) struct Judgement {
 
 impl Engine {
     /// All engines.
-    pub const ALL: [Self; 4] = [Self::Exact, Self::Qr, Self::Qrii, Self::Svd];
+    pub const ALL: [Self; 5] = [Self::Exact, Self::Precise, Self::Qr, Self::Qrii, Self::Svd];
 
     /// The engines that compute in floats and need a tolerance.
     pub const FLOAT: [Self; 3] = [Self::Qr, Self::Qrii, Self::Svd];
 
-    /// `exact`, `qr`, `qrii` or `svd`.
+    /// `exact`, `precise`, `qr`, `qrii` or `svd`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
+            Self::Precise => "precise",
             Self::Qr => "qr",
             Self::Qrii => "qrii",
             Self::Svd => "svd",
@@ -87,7 +92,7 @@ impl Engine {
     /// The rank of W alone.
     pub(crate) fn rank(self, w: &Matrix, tolerance: &Tolerance) -> Result<Judgement, BaseError> {
         Ok(match self {
-            Self::Exact | Self::Qr => Judgement {
+            Self::Exact | Self::Precise | Self::Qr => Judgement {
                 decision: staircase_qr(w, tolerance)?.decision,
                 columns: (0..w.cols()).collect(),
             },
@@ -105,15 +110,16 @@ impl Engine {
         })
     }
 
-    /// The rank, the leftmost independent columns and, for the SVD, its factors. The
-    /// exact engine needs no W; asked for its opinion of one, it lends the staircase's.
+    /// The rank, the leftmost independent columns and, for the SVD, its factors. The exact
+    /// and the precise engine need no W; asked for their opinion of one, they lend the
+    /// staircase's.
     fn decide(
         self,
         w: &Matrix,
         tolerance: &Tolerance,
     ) -> Result<(Judgement, Vec<usize>, Option<Svd>), BaseError> {
         Ok(match self {
-            Self::Exact | Self::Qr => {
+            Self::Exact | Self::Precise | Self::Qr => {
                 let staircase = staircase_qr(w, tolerance)?;
                 let judgement = Judgement {
                     decision: staircase.decision,

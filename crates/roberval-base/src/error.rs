@@ -2,7 +2,7 @@ use roberval_linalg::LinalgError;
 use roberval_mechanism::MechanismError;
 use roberval_regressor::RegressorError;
 
-use crate::ExactError;
+use crate::{ExactError, SampleError};
 
 /// Why base parameters could not be computed. A doubtful rank is not an error but a
 /// [`crate::Diagnosis`].
@@ -69,6 +69,12 @@ pub enum BaseError {
     /// The exact engine has no answer.
     #[error(transparent)]
     Exact(#[from] ExactError),
+    /// Loops without configurations to sample.
+    #[error(transparent)]
+    Samples(#[from] SampleError),
+    /// Loops are not searched for scaled samples.
+    #[error("the search for scaled samples would open the robot's loops: take random samples")]
+    LoopsNotScaled,
     /// A factorisation failed.
     #[error(transparent)]
     Linalg(#[from] LinalgError),

@@ -4,8 +4,8 @@
 use roberval_mechanism::{Change, Cleaning, Mechanism, RobotDescription, apply};
 use roberval_regressor::Model;
 
-use crate::BaseError;
 use crate::exact::structural_rank;
+use crate::{BaseError, decide_precisely};
 
 /// Groups of equal numbers that are tried one by one to find those to blame.
 const MOST_GROUPS: usize = 24;
@@ -49,10 +49,17 @@ pub(crate) fn literal(
         blame: Vec::new(),
         near_misses: Vec::new(),
     };
-    if !cleaned.changes.is_empty() {
+    // A decimal that is the nearest double of pi/2 says pi/2 as well as a URDF can.
+    let (exact, changes): (Vec<Change>, Vec<Change>) = cleaned
+        .changes
+        .iter()
+        .cloned()
+        .partition(Change::is_last_digit);
+    if !changes.is_empty() {
+        let written = &apply(written, &exact);
         found.rank = rank_of(written)?;
         if found.rank != rank {
-            found.blame = blame(written, &cleaned.changes, rank, found.rank, rank_of)?;
+            found.blame = blame(written, &changes, rank, found.rank, rank_of)?;
         }
     }
     let near: Vec<Change> = cleaned
@@ -71,7 +78,13 @@ pub(crate) fn literal(
 
 fn rank_of(description: &RobotDescription, model: Model, seed: u64) -> Result<usize, BaseError> {
     let mechanism = Mechanism::new(description)?;
-    Ok(structural_rank(&mechanism, model, seed)?)
+    if mechanism.assembly.is_none() {
+        return Ok(structural_rank(&mechanism, model, seed)?);
+    }
+    let order: Vec<usize> = (0..mechanism.parameters().len()).collect();
+    Ok(decide_precisely(&mechanism, model, &order, seed)?
+        .kept
+        .len())
 }
 
 /// The groups that alone make a difference; all, if none does.

@@ -8,8 +8,8 @@ use crate::literal::literal;
 use crate::observation::check_size;
 use crate::result::Classes;
 use crate::{
-    BaseError, BaseParameters, Choice, Diagnosis, Engine, ExactDecision, ExactNumber, Observation,
-    Samples, decide_exactly, nullspace_rank, observe,
+    BaseError, BaseParameters, Choice, Diagnosis, Engine, ExactNumber, Observation, Samples,
+    decide_exactly, decide_precisely, nullspace_rank, observe,
 };
 
 /// Samples are never fewer than this: a subtree's own columns (at most 11 a link) are
@@ -44,7 +44,7 @@ pub fn base_parameters(
 ) -> Result<BaseParameters, BaseError> {
     let space = mechanism.parameters();
     let count = sample_count(mechanism, options.model, options.rows, 2 * space.len())?;
-    let samples = Samples::draw(mechanism, count, options.seed);
+    let samples = Samples::draw(mechanism, count, options.seed)?;
     base_parameters_at(mechanism, options, &samples)
 }
 
@@ -60,7 +60,10 @@ pub fn base_parameters_at(
     samples: &Samples,
 ) -> Result<BaseParameters, BaseError> {
     match options.engine {
-        Engine::Exact => by_elimination(mechanism, options, samples),
+        Engine::Exact if mechanism.assembly.is_none() => {
+            by_elimination(mechanism, options, samples)
+        }
+        Engine::Exact | Engine::Precise => by_precision(mechanism, options, samples),
         Engine::Qr | Engine::Qrii | Engine::Svd => by_factorisation(mechanism, options, samples),
     }
 }
@@ -101,7 +104,17 @@ fn by_elimination(
     samples: &Samples,
 ) -> Result<BaseParameters, BaseError> {
     let observation = observe(mechanism, options.model, samples)?;
-    let exact = decide_in_order(mechanism, options, &observation)?;
+    let decide = |order: &[usize]| {
+        Ok(decide_exactly(
+            mechanism,
+            options.model,
+            order,
+            options.seed,
+        )?)
+    };
+    let exact = in_order(mechanism, options, &observation, decide, |d| {
+        [d.kept.clone(), d.deleted.clone(), d.no_effect.clone()]
+    })?;
     let (base, rows) = sorted(&exact.kept);
     let (regrouped, columns) = sorted(&exact.deleted);
     let mut effect = [base.as_slice(), &regrouped].concat();
@@ -118,8 +131,9 @@ fn by_elimination(
     let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
     let witnesses = witnesses(&w, &effect, &options.tolerance)?;
     let literal = literal(mechanism, options.model, base.len(), options.seed)?;
-    let nullspace = nullspace_rank(mechanism, options.seed)?.rank;
-    let diagnosis = Diagnosis::structural(&exact, nullspace, &witnesses, literal, fresh);
+    let tree = nullspace_rank(mechanism, options.seed)?;
+    let opened = mechanism.closure.is_some();
+    let diagnosis = Diagnosis::structural(&exact, &tree, opened, &witnesses, literal, fresh);
     Ok(BaseParameters::new(
         mechanism,
         options,
@@ -137,31 +151,73 @@ fn by_elimination(
     ))
 }
 
-/// The exact decision in the order of the user's choice. QRII's own columns, which only
-/// floats know, are put first and confirmed.
-fn decide_in_order(
+/// The same in pairs of doubles, the float engines as witnesses.
+fn by_precision(
+    mechanism: &Mechanism,
+    options: &Options,
+    samples: &Samples,
+) -> Result<BaseParameters, BaseError> {
+    let options = &Options {
+        engine: Engine::Precise,
+        ..options.clone()
+    };
+    let observation = observe(mechanism, options.model, samples)?;
+    let decide = |order: &[usize]| decide_precisely(mechanism, options.model, order, options.seed);
+    let precise = in_order(mechanism, options, &observation, decide, |d| {
+        [d.kept.clone(), d.deleted.clone(), d.no_effect.clone()]
+    })?;
+    let (base, rows) = sorted(&precise.kept);
+    let (regrouped, columns) = sorted(&precise.deleted);
+    let mut effect = [base.as_slice(), &regrouped].concat();
+    effect.sort_unstable();
+    let w = observation.w.select_columns(&effect);
+    check_rows(&w)?;
+    let beta = Matrix::from_fn(base.len(), regrouped.len(), |i, j| {
+        precise.beta[rows[i]][columns[j]]
+    });
+    let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
+    let witnesses = witnesses(&w, &effect, &options.tolerance)?;
+    let literal = literal(mechanism, options.model, base.len(), options.seed)?;
+    let opened = mechanism.closure.is_some();
+    let tree = opened.then(|| nullspace_rank(mechanism, options.seed));
+    let tree = tree.transpose()?;
+    let diagnosis = Diagnosis::precise(&precise, tree.as_ref(), &witnesses, literal, fresh);
+    let no_effect = precise.no_effect;
+    Ok(BaseParameters::new(
+        mechanism,
+        options,
+        observation.w.rows(),
+        Classes::of(no_effect, base, regrouped, &beta, options.seed),
+        beta,
+        None,
+        diagnosis,
+    ))
+}
+
+/// A decision in the order of the user's choice. QRII's own columns, which only floats
+/// know, are put first and confirmed. `parts` gives a decision's kept, deleted and
+/// effectless columns.
+fn in_order<D>(
     mechanism: &Mechanism,
     options: &Options,
     observation: &Observation,
-) -> Result<ExactDecision, BaseError> {
+    decide: impl Fn(&[usize]) -> Result<D, BaseError>,
+    parts: impl Fn(&D) -> [Vec<usize>; 3],
+) -> Result<D, BaseError> {
     let space = mechanism.parameters();
     let all: Vec<usize> = (0..space.len()).collect();
     let order = options.choice.order(&space, &all)?;
-    let exact = decide_exactly(mechanism, options.model, &order, options.seed)?;
+    let decision = decide(&order)?;
     if options.choice != Choice::Pivoted {
-        return Ok(exact);
+        return Ok(decision);
     }
-    let mut effect = [exact.kept.as_slice(), &exact.deleted].concat();
+    let [kept, deleted, no_effect] = parts(&decision);
+    let mut effect = [kept, deleted].concat();
     effect.sort_unstable();
     let w = equilibrate(&observation.w.select_columns(&effect)).0;
     let mut order: Vec<usize> = qrii(&w)?.permutation.iter().map(|&i| effect[i]).collect();
-    order.extend(&exact.no_effect);
-    Ok(decide_exactly(
-        mechanism,
-        options.model,
-        &order,
-        options.seed,
-    )?)
+    order.extend(&no_effect);
+    decide(&order)
 }
 
 /// What the float engines make of W, whose columns are the robot's `columns`: QRII first,
@@ -194,7 +250,7 @@ pub(crate) fn sample_count(
 ) -> Result<usize, BaseError> {
     let wanted = rows.unwrap_or(at_least);
     check_size(wanted, mechanism.parameters().len())?;
-    let each = model.rows(mechanism.dof());
+    let each = model.rows(mechanism.independent());
     Ok(match (rows, model) {
         (_, Model::H) => wanted + 1, // the first sample is the reference
         (None, _) => wanted.div_ceil(each).max(FEWEST_SAMPLES),
@@ -293,7 +349,7 @@ fn residual_at_fresh_samples(
     regrouped: &[usize],
     beta: &Matrix,
 ) -> Result<f64, BaseError> {
-    let samples = Samples::draw(mechanism, FEWEST_SAMPLES, options.seed.wrapping_add(0x5eed));
+    let samples = Samples::draw(mechanism, FEWEST_SAMPLES, options.seed.wrapping_add(0x5eed))?;
     let Observation { w, .. } = observe(mechanism, options.model, &samples)?;
     let (w1, w2) = (w.select_columns(base), w.select_columns(regrouped));
     let explained = w1.matmul(beta)?;

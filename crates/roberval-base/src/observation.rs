@@ -76,6 +76,11 @@ impl ObservationRows {
         self.values.len() / self.width
     }
 
+    /// For each column, what its largest entry would be if nothing cancelled.
+    pub fn largest_magnitudes(&self) -> Vec<f64> {
+        largest(&self.magnitudes, self.width)
+    }
+
     /// Reading the entries as rows of `width` places: for each place, its largest entry
     /// over its largest magnitude. With `width` = C the places are the columns; with n C
     /// they are the places of a sample's n rows.
@@ -101,7 +106,7 @@ pub(crate) fn observation_rows(
 ) -> Result<ObservationRows, BaseError> {
     let regressor = Regressor::new(mechanism);
     let width = regressor.parameters().len();
-    let rows = samples.count * model.rows(mechanism.dof());
+    let rows = samples.count * model.rows(mechanism.independent());
     check_size(rows, width)?;
     let mut values = vec![0.0; rows * width];
     let mut magnitudes = vec![0.0; rows * width];
@@ -154,14 +159,15 @@ fn weigh_rows(mechanism: &Mechanism, rows: &mut [f64], width: usize) {
     }
 }
 
-/// What the row of each joint is multiplied by in W: the robot's length for forces.
+/// What the row of each independent joint is multiplied by in W: the robot's length for forces.
 pub(crate) fn row_weights(mechanism: &Mechanism) -> Vec<f64> {
     let length = mechanism.characteristic_length();
     let weight = |joint| match joint {
         JointKind::Prismatic => length,
         JointKind::Revolute | JointKind::Fixed => 1.0,
     };
-    mechanism.moving().map(|link| weight(link.joint)).collect()
+    let joints = mechanism.independent_joints();
+    joints.iter().map(|link| weight(link.joint)).collect()
 }
 
 /// The largest size at each place of rows of `width` numbers.

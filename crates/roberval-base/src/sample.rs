@@ -1,10 +1,17 @@
 use std::f64::consts::PI;
 
-use roberval_mechanism::{JointKind, Mechanism};
-use roberval_regressor::States;
+use roberval_mechanism::{Assembly, JointKind, Mechanism, VariableLaw, Walk};
+use roberval_regressor::{CouplePowers, States};
 use roberval_scalar::SplitMix64;
 
-/// Random joint states: N samples of n joints, row-major.
+/// Configurations drawn for one sample before a mechanism counts as immovable.
+const MOST_REDRAWN: usize = 200;
+
+/// Loops stand in at least so many configurations (or one for three parameters); more
+/// samples than that differ in their velocities and accelerations.
+const FEWEST_CONFIGURATIONS: usize = 64;
+
+/// Random joint states: N samples of the m independent joints, row-major.
 ///
 /// Revolute joints turn anywhere; prismatic ones move by the robot's own length L, and
 /// time runs in units of sqrt(L/g), so that weights and inertia forces are comparable
@@ -19,12 +26,31 @@ pub struct Samples {
     pub qdd: Vec<f64>,
     /// Number of samples N.
     pub count: usize,
+    /// Configurations of loops that were redrawn, being singular or out of reach.
+    pub redrawn: usize,
+}
+
+/// No samples of a mechanism with loops.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "only {found} of {count} configurations of the loops were found that are not singular: \
+     give near values on a branch that moves farther"
+)]
+pub struct SampleError {
+    /// Configurations found.
+    pub found: usize,
+    /// Configurations asked for.
+    pub count: usize,
 }
 
 impl Samples {
-    /// `count` samples for this robot; the same seed gives the same samples.
-    #[must_use]
-    pub fn draw(mechanism: &Mechanism, count: usize, seed: u64) -> Self {
+    /// `count` samples for this robot; the same seed gives the same samples. Loops are
+    /// closed on one branch: each sample can be reached from the one before by moving the
+    /// independent joints straight there.
+    ///
+    /// # Errors
+    /// [`SampleError`] if a mechanism with loops has no such configurations.
+    pub fn draw(mechanism: &Mechanism, count: usize, seed: u64) -> Result<Self, SampleError> {
         let reaches = reaches(mechanism);
         let mut random = SplitMix64::new(seed);
         let mut samples = Self::with_capacity(count * reaches.len());
@@ -33,7 +59,44 @@ impl Samples {
             let state: Vec<[f64; 3]> = reaches.iter().map(unit).collect();
             samples.push(&reaches, &state);
         }
-        samples
+        if let Some(assembly) = &mechanism.assembly {
+            let configurations = FEWEST_CONFIGURATIONS.max(mechanism.parameters().len() / 3);
+            samples.close(assembly, count.div_ceil(configurations), seed)?;
+        }
+        Ok(samples)
+    }
+
+    /// Replaces the positions by those of closed configurations, each used for `each`
+    /// samples.
+    fn close(&mut self, assembly: &Assembly, each: usize, seed: u64) -> Result<(), SampleError> {
+        let mut walk = Walk::new(assembly, seed);
+        let mut last = assembly.start.clone();
+        self.q.clear();
+        for found in 0..self.count {
+            if found % each > 0 {
+                self.q.extend(assembly.independent.iter().map(|&k| last[k]));
+                continue;
+            }
+            let next = (0..MOST_REDRAWN).find_map(|_| {
+                let next = walk.next_configuration()?;
+                let qa: Vec<f64> = assembly.independent.iter().map(|&k| next[k]).collect();
+                let reached = assembly.reach(&last, &qa).ok();
+                let same = reached.filter(|r| is_same(r, &next));
+                if same.is_none() {
+                    walk.go_back(&last);
+                    self.redrawn += 1;
+                }
+                same
+            });
+            let none = SampleError {
+                found,
+                count: self.count,
+            };
+            last = next.ok_or(none)?;
+            self.q.extend(assembly.independent.iter().map(|&k| last[k]));
+        }
+        self.redrawn += walk.redrawn;
+        Ok(())
     }
 
     /// No samples yet, room for `size` numbers of each kind.
@@ -43,6 +106,7 @@ impl Samples {
             qd: Vec::with_capacity(size),
             qdd: Vec::with_capacity(size),
             count: 0,
+            redrawn: 0,
         }
     }
 
@@ -68,7 +132,18 @@ impl Samples {
     }
 }
 
-/// The largest (q, qd, qdd) drawn for each joint.
+/// Whether two configurations are one: what moves them apart is another branch, and far
+/// more than rounding.
+fn is_same(a: &[f64], b: &[f64]) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6)
+}
+
+/// A joint that others follow at half its angle is drawn over two turns, and so on up to
+/// here: then all of them turn anywhere.
+const MOST_TURNS: i64 = 60;
+
+/// The largest (q, qd, qdd) drawn for each independent joint: those that follow it are not
+/// much faster, and slides go not much farther, than they would by themselves.
 pub(crate) fn reaches(mechanism: &Mechanism) -> Vec<[f64; 3]> {
     let length = mechanism.characteristic_length();
     let gravity = mechanism.gravity.norm();
@@ -81,5 +156,33 @@ pub(crate) fn reaches(mechanism: &Mechanism) -> Vec<[f64; 3]> {
         JointKind::Prismatic => [length, rate * length, rate * rate * length],
         JointKind::Revolute | JointKind::Fixed => [PI, rate, rate * rate],
     };
-    mechanism.moving().map(|link| reach(link.joint)).collect()
+    let joints = mechanism.independent_joints();
+    let mut reaches: Vec<_> = joints.iter().map(|link| reach(link.joint)).collect();
+    let laws = mechanism.closure.iter().flat_map(|c| &c.laws);
+    let roots = CouplePowers::of(mechanism).map_or_else(Vec::new, |p| p.roots);
+    let mut slow = vec![[1.0_f64; 2]; reaches.len()];
+    for ((reach, root), link) in reaches.iter_mut().zip(roots).zip(&joints) {
+        if link.joint == JointKind::Revolute {
+            reach[0] *= root.min(MOST_TURNS) as f64;
+        }
+    }
+    for (link, law) in mechanism.moving().zip(laws) {
+        if let VariableLaw::Affine(law) = law {
+            for (place, multiplier) in &law.terms {
+                let faster = multiplier.value.abs() * reaches[*place][1] / reach(link.joint)[1];
+                let [far, fast] = &mut slow[*place];
+                *fast = fast.max(faster);
+                if link.joint == JointKind::Prismatic {
+                    let farther = multiplier.value.abs() * reaches[*place][0];
+                    *far = far.max(farther / reach(link.joint)[0]);
+                }
+            }
+        }
+    }
+    for (reach, [far, fast]) in reaches.iter_mut().zip(slow) {
+        reach[0] /= far;
+        reach[1] /= fast;
+        reach[2] /= fast;
+    }
+    reaches
 }

@@ -112,10 +112,13 @@ pub fn scale(
     options: &ScalingOptions,
     mut progress: impl FnMut(ScalingProgress) -> ControlFlow<()>,
 ) -> Result<Scaling, BaseError> {
+    if mechanism.assembly.is_some() {
+        return Err(BaseError::LoopsNotScaled);
+    }
     let structure = Structure::of(mechanism, options)?;
     let c = structure.columns.len();
     let count = sample_count(mechanism, options.model, options.rows, c)?;
-    let random = Samples::draw(mechanism, count, options.seed);
+    let random = Samples::draw(mechanism, count, options.seed)?;
     let before = structure.evaluate(mechanism, options, random)?;
     let found = Search::new(mechanism, options, &structure.pattern, count)?.run(&mut progress)?;
     let after = structure.evaluate(mechanism, options, found)?;
@@ -149,10 +152,10 @@ impl Structure {
         let model = options.model;
         let width = mechanism.parameters().len();
         let count = sample_count(mechanism, model, None, 2 * width)?;
-        let samples = Samples::draw(mechanism, count, !options.seed);
+        let samples = Samples::draw(mechanism, count, !options.seed)?;
         let rows = observation_rows(mechanism, model, &samples)?;
         let pattern: Vec<bool> = rows
-            .effects(model.rows(mechanism.dof()) * width)
+            .effects(model.rows(mechanism.independent()) * width)
             .into_iter()
             .map(has_effect)
             .collect();

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use roberval_base::{
-    CertificateError, CertificateNotes, Engine, ExactDecision, Model, Witness, certificate,
-    certificate_text, decide_exactly,
+    CertificateError, CertificateNotes, Engine, ExactDecision, ExactNumber, Model, Witness,
+    certificate, certificate_text, decide_exactly,
 };
 use roberval_mechanism::{Geometry, Mechanism, RobotDescription, SourceFormat};
 use roberval_scalar::Quantity;
@@ -44,6 +44,8 @@ fn text(robot: &Mechanism, model: Model, decision: &ExactDecision) -> String {
             rank: decision.kept.len(),
             gap: Some(1.5e11),
             gap_at_structural: None,
+            spectrum: Vec::new(),
+            tolerance: 0.0,
         }],
     };
     certificate_text(&certificate(robot, model, decision, notes).expect("certified"))
@@ -163,6 +165,9 @@ fn the_checker_says_in_one_line_and_by_its_exit_code_what_it_thinks() {
     files.write("good.json", &text);
     files.write("changed.json", &text.replace("[\"ZZ_1\"", "[\"ZZ_2\""));
     files.write("cut.json", &text[..text.len() / 2]);
+    files.write("empty.json", "{}");
+    files.write("list.json", "[1]");
+    files.write("without_rank.json", &text.replace("\"rank\":", "\"tank\":"));
     for (name, code, begin) in [
         ("good.json", 0, "accepted: "),
         (
@@ -170,8 +175,11 @@ fn the_checker_says_in_one_line_and_by_its_exit_code_what_it_thinks() {
             1,
             "refused: sha256 is that of something else",
         ),
-        ("cut.json", 1, "refused: "),
-        ("missing.json", 1, "refused: "),
+        ("without_rank.json", 1, "refused: not in its form"),
+        ("cut.json", 2, "cannot read "),
+        ("empty.json", 2, "cannot read "),
+        ("list.json", 2, "cannot read "),
+        ("missing.json", 2, "cannot read "),
     ] {
         let script = repository().join("python/roberval/check_certificate.py");
         let Ok(output) = Command::new("python3")
@@ -309,31 +317,74 @@ fn an_answer_is_accepted_for_another_geometry_exactly_if_it_is_its_answer() {
     files.check("verdicts");
 }
 
-#[test]
-fn angles_that_are_taken_as_generic_and_are_not_get_no_accepted_certificate() {
-    // 0.3 + 0.3 - 0.6 = 0: the axes are parallel, which independent generic angles hide.
+/// A URDF arm whose placements each end in turns by these angles about x.
+fn turned(rolls: [&str; 3]) -> Mechanism {
     let path = repository().join("crates/roberval-formats/tests/data/small.urdf");
     let mut description = roberval_formats::load(path.to_str().expect("UTF-8")).expect("readable");
+    let number = |x: &str| Quantity::parse_decimal(x).expect("a number");
     for link in &mut description.links {
         let Geometry::Placed { origins, axis } = &mut link.geometry else {
             continue;
         };
-        let mut turned = origins[0].clone();
-        turned.xyz = ["0.1", "0.2", "0.3"].map(|x| Quantity::parse_decimal(x).expect("a number"));
-        *origins = ["0.3", "0.3", "-0.6"]
-            .map(|x| {
-                let zero = Quantity::zero();
-                let roll = Quantity::parse_decimal(x).expect("a number");
-                roberval_mechanism::Origin {
-                    rpy: [roll, zero.clone(), zero],
-                    ..turned.clone()
-                }
-            })
-            .to_vec();
-        *axis = ["0", "0", "1"].map(|x| Quantity::parse_decimal(x).expect("a number"));
+        origins[0].xyz = ["0.1", "0.2", "0.3"].map(number);
+        origins[0].rpy = [(); 3].map(|()| Quantity::zero());
+        for roll in rolls {
+            let mut turn = origins[0].clone();
+            turn.xyz = [(); 3].map(|()| Quantity::zero());
+            turn.rpy[0] = number(roll);
+            origins.push(turn);
+        }
+        *axis = ["0", "0", "1"].map(number);
     }
-    let robot = mechanism(&description);
+    mechanism(&description)
+}
+
+#[test]
+fn turns_by_decimals_that_cancel_are_seen_to_cancel() {
+    let files = Files::new("cancelling");
+    let plain = turned(["0", "0", "0"]);
+    let expected = decide(&plain, Model::D);
+    for (k, rolls) in [
+        ["0.3", "0.3", "-0.6"],
+        ["0.5", "-0.25", "-0.25"],
+        ["1.234567", "-2.5", "1.265433"],
+        [
+            "0.123456789012345",
+            "-0.24691357802469",
+            "0.123456789012345",
+        ],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let robot = turned(rolls);
+        let decision = decide(&robot, Model::D);
+        assert_eq!(decision.kept, expected.kept, "{rolls:?}");
+        for (found, expected) in decision.beta.iter().zip(&expected.beta) {
+            let doubles = |row: &[ExactNumber]| row.iter().map(ExactNumber::to_f64).collect();
+            let [found, expected]: [Vec<f64>; 2] = [doubles(found), doubles(expected)];
+            assert_eq!(found, expected, "{rolls:?}: both correctly rounded");
+        }
+        // The arm has angles of few digits; twelve digits more have no unit with those.
+        assert_eq!(
+            decision.generic.len(),
+            2 * (k / 3),
+            "{:?}",
+            decision.generic
+        );
+        assert!(decision.degree > expected.degree);
+        let text = text(&robot, Model::D, &decision);
+        files.write(&format!("accepted-{k}.json"), &text);
+    }
+    files.check("verdicts");
+}
+
+#[test]
+fn angles_that_are_taken_as_generic_and_are_not_get_no_accepted_certificate() {
+    // They cancel, but their least common unit is 1e-17.
+    let robot = turned(["0.12345678901234567", "0.3", "-0.42345678901234567"]);
     let decision = decide(&robot, Model::D);
+    assert_eq!(decision.generic.len(), 3, "{:?}", decision.generic);
     match certificate(&robot, Model::D, &decision, CertificateNotes::default()) {
         Err(CertificateError::Unsure { error }) => assert!(error > 1e-18),
         Err(other) => panic!("{other}"),

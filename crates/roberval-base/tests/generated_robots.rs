@@ -71,7 +71,7 @@ fn the_reduced_model_gives_the_torques_of_the_full_one_at_fresh_samples() {
         .expect("valid");
         let x = robot.standard_parameters().expect("inertias");
         let xb = answer.values(&x).expect("right length");
-        let samples = Samples::draw(&robot, 5, !seed);
+        let samples = Samples::draw(&robot, 5, !seed).expect("samples");
         let w = observe(&robot, Model::D, &samples).expect("fits").w;
         let reduced = w.select_columns(&answer.base);
         for row in 0..w.rows() {
@@ -132,7 +132,7 @@ fn every_member_of_the_family_gives_the_same_torques() {
         let xm = answer.minimum_norm(&x).expect("right length");
         let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>();
         assert!(norm(&xm) <= norm(&xr) * (1.0 + 1e-12), "XM is the shortest");
-        let samples = Samples::draw(&robot, 5, !seed);
+        let samples = Samples::draw(&robot, 5, !seed).expect("samples");
         let w = observe(&robot, Model::D, &samples).expect("fits").w;
         for row in 0..w.rows() {
             let times = |x: &[f64]| (0..w.cols()).map(|j| w[(row, j)] * x[j]).sum::<f64>();

@@ -238,6 +238,7 @@ fn samples_that_do_not_fit_the_robot_are_refused() {
         qd: vec![0.0; 119],
         qdd: vec![0.0; 120],
         count: 20,
+        redrawn: 0,
     };
     let answer = base_parameters_at(&puma(), &Options::default(), &samples);
     assert!(matches!(answer, Err(BaseError::Regressor(_))), "{answer:?}");

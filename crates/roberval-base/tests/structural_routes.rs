@@ -4,7 +4,8 @@
 //! `ROBERVAL_LONG_TESTS=1` runs 10,000 generated robots instead of 600.
 
 use roberval_base::{Engine, Model, Options, base_parameters, decide_exactly, nullspace_rank};
-use roberval_mechanism::{JointKind, Mechanism, RobotDescription, SourceFormat};
+use roberval_mechanism::{Geometry, JointKind, Mechanism, RobotDescription, SourceFormat};
+use roberval_scalar::{Quantity, SplitMix64};
 use roberval_testkit::{Angles, Family, decimal};
 
 fn robots() -> u64 {
@@ -104,6 +105,53 @@ fn three_routes_agree_on_generated_robots() {
         .collect();
     eprintln!("{count} generated robots, {} disagreements", wrong.len());
     assert!(wrong.is_empty(), "{:#?}", &wrong[..wrong.len().min(10)]);
+}
+
+/// Inserts turns by a, b and -(a + b) about x, y or z, decimals, before some placements: nothing
+/// changes. With `leave`, the first of them is left out here and there.
+fn related_angles(robot: &mut RobotDescription, random: &mut SplitMix64, leave: bool) {
+    for link in &mut robot.links {
+        let Geometry::Placed { origins, .. } = &mut link.geometry else {
+            panic!("a URDF robot")
+        };
+        if random.below(2) == 0 {
+            continue;
+        }
+        let [a, b] = [(); 2].map(|()| random.below(100) as i64 + 20);
+        let axis = random.below(3);
+        let first = usize::from(leave && random.below(3) == 0);
+        for angle in &[a, b, -(a + b)][first..] {
+            let mut turn = origins[0].clone();
+            turn.xyz = [(); 3].map(|()| Quantity::zero());
+            turn.rpy = [(); 3].map(|()| Quantity::zero());
+            turn.rpy[axis] = decimal(*angle, -2);
+            origins.insert(0, turn);
+        }
+    }
+}
+
+#[test]
+fn three_routes_agree_where_decimal_angles_are_related() {
+    for seed in 0..200 {
+        let family = Family {
+            format: SourceFormat::Urdf,
+            angles: [Angles::Right, Angles::Mixed][seed as usize % 2],
+            ..Family::default()
+        };
+        let original = family.robot(seed);
+        let mut random = SplitMix64::new(seed);
+        let mut changed = original.clone();
+        related_angles(&mut changed, &mut random, false);
+        let [before, after] = [&original, &changed].map(|description| {
+            let robot = mechanism(description);
+            let all: Vec<usize> = (0..robot.parameters().len()).collect();
+            decide_exactly(&robot, Model::D, &all, seed).expect("in a field")
+        });
+        assert_eq!(before.kept, after.kept, "robot {seed}: the turns cancel");
+        assert!(after.generic.is_empty());
+        related_angles(&mut changed, &mut random, true);
+        assert_eq!(disagreement(&mechanism(&changed), seed), None, "{seed}");
+    }
 }
 
 /// On an antecedent that moves freely, a revolute link hides XX + YY, MZ and M (z being

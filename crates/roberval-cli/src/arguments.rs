@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use clap::builder::{NonEmptyStringValueParser, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ColorChoice, Parser, Subcommand};
+use clap_complete::Shell;
 use roberval_base::{Choice, Engine, Model, Options, Tolerance};
-use roberval_mechanism::CleanMode;
+use roberval_code::{Language, What};
+use roberval_mechanism::{CleanMode, Convention};
 use roberval_scalar::Quantity;
 use roberval_tables::Format;
 
@@ -21,6 +23,10 @@ Examples:
   roberval clean arm.urdf -o clean.urdf       1.5708 becomes pi/2
   roberval regressor arm.urdf states.csv -o W.npy
   roberval scale arm.urdf --format csv        well scaled samples
+  roberval lint arm.urdf                      what is wrong with a robot file
+  roberval base puma560 --symbolic            relations in D3, R3, D4, R4
+  roberval code puma560 --lang c -o puma.c    inverse dynamics as code
+  roberval demo                               a tour, with a report to look at
 
 Exit codes: 0 clear, 1 computed but doubtful or engines disagree, 2 bad input.";
 
@@ -34,6 +40,39 @@ Examples:
   roberval base arm.urdf --choice pivoted --format latex -o tables.tex
   roberval base arm.urdf --gravity 0,-9.81,0 --drop M_tool";
 
+const SHOW: &str = "\
+Examples:
+  roberval show                                       the built-in robots
+  roberval show arm.urdf                              links, joints, geometry, values
+  roberval show arm.urdf --order pinocchio            values as toDynamicParameters()
+  roberval show arm.urdf --order mujoco --format csv  body_mass, body_ipos, body_iquat, body_inertia
+
+The orders: paper (XX XY XZ YY YZ ZZ MX MY MZ M about the link's frame), pinocchio (m mx my mz
+Ixx Ixy Iyy Ixz Iyz Izz about the joint's frame), urdf (about the centre of mass, link's axes),
+mujoco (about the centre of mass, principal axes).";
+
+const LINT: &str = "\
+Each finding is a line: file:line:column: severity: what is wrong [rule]; what to do.
+Rules: errors have the code of what a reader refuses, such as E240; warnings are
+inertia, missing-inertial, units, rounded-angle, dust, degrees, axis, mimic, limits, remark.
+
+Examples:
+  roberval lint arm.urdf
+  roberval lint robots/*.urdf --ignore missing-inertial,dust
+  roberval lint arm.urdf --format json -o findings.json
+
+Exit codes: 0 nothing found, 1 findings, 2 a file cannot be read as a robot file at all.";
+
+const DEMO: &str = "\
+Takes the built-in PUMA 560, shows its parameters, finds the base parameters and writes a
+report to look at. Nothing is downloaded.";
+
+const COMPLETIONS: &str = "\
+Examples:
+  roberval completions bash > ~/.local/share/bash-completion/completions/roberval
+  roberval completions zsh > ~/.zfunc/_roberval
+  roberval completions fish > ~/.config/fish/completions/roberval.fish";
+
 const STATES: &str = "\
 States are a CSV file with the columns q_1.., qd_1.. and qdd_1.. (or q_NAME with the name of
 the joint or of its link) in any order, or an NPZ file with the arrays q, qd and qdd of shape
@@ -42,6 +81,15 @@ the joint or of its link) in any order, or an NPZ file with the arrays q, qd and
 The array has the shape (N, n, C) for d and d0 and (N, C) for h, in C order, C being the
 standard parameters in the order of `roberval show`, or the base parameters with --base.
 Only differences of the rows of h mean anything.";
+
+const CODE: &str = "\
+The code is straight-line, without allocation, and takes its parameters in the order that its
+comments list. --format is for --counts.
+
+Examples:
+  roberval code puma560 --lang c --what tau -o puma.c
+  roberval code arm.urdf --lang python --what regressor -o arm_regressor.py
+  roberval code arm.urdf --counts";
 
 const SCALE: &str = "\
 The table shows what the search gained over random samples. --format csv writes the samples
@@ -57,7 +105,11 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// A tour: a built-in arm, its base parameters, a report to look at
+    #[command(after_help = DEMO)]
+    Demo(DemoArgs),
     /// Show a robot as it is understood; without a robot, list the built-in ones
+    #[command(after_help = SHOW)]
     Show(ShowArgs),
     /// Find the base parameters and how the others regroup onto them
     #[command(after_help = BASE)]
@@ -66,12 +118,21 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Write a robot file with its rounded angles and dust set right
     Clean(CleanArgs),
+    /// List what is wrong or suspicious in robot files
+    #[command(after_help = LINT)]
+    Lint(LintArgs),
     /// Write the regressor at joint states from a file as a NumPy array
     #[command(after_help = STATES)]
     Regressor(RegressorArgs),
+    /// Write the reduced model as code: C, Rust, NumPy or MATLAB
+    #[command(after_help = CODE)]
+    Code(CodeArgs),
     /// Search for samples that scale W (section 4 of the paper's method)
     #[command(after_help = SCALE)]
     Scale(ScaleArgs),
+    /// Write a shell's completions of this command
+    #[command(after_help = COMPLETIONS)]
+    Completions(CompletionsArgs),
 }
 
 #[derive(Debug, Args)]
@@ -79,10 +140,38 @@ pub(crate) struct ShowArgs {
     /// Name of a built-in robot, or a robot TOML or URDF file
     #[arg(value_parser = NonEmptyStringValueParser::new())]
     pub robot: Option<String>,
+    /// Show the known inertial parameters instead, in this order and frame
+    #[arg(long, requires = "robot", value_parser = convention())]
+    pub order: Option<Convention>,
     #[command(flatten)]
     pub reading: ReadingArgs,
     #[command(flatten)]
     pub output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DemoArgs {
+    /// The report to write
+    #[arg(short, long, value_name = "FILE", default_value = "roberval-demo.html")]
+    pub output: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct LintArgs {
+    /// Robot TOML or URDF files, or names of built-in robots
+    #[arg(required = true, value_parser = NonEmptyStringValueParser::new())]
+    pub files: Vec<String>,
+    /// Rules to leave out, by their names
+    #[arg(long, value_name = "RULES", value_delimiter = ',')]
+    pub ignore: Vec<String>,
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    pub shell: Shell,
 }
 
 #[derive(Debug, Args)]
@@ -97,6 +186,46 @@ pub(crate) struct BaseArgs {
     /// without this program
     #[arg(long, value_name = "FILE")]
     pub certificate: Option<PathBuf>,
+    /// Write also a report to look at: one HTML page, offline
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Show the relations in symbols: named constants stay symbols, and where there are
+    /// none all lengths get names (d3, r4, x5)
+    #[arg(long)]
+    pub symbolic: bool,
+    /// With --symbolic: give names to all lengths that have none
+    #[arg(long, requires = "symbolic")]
+    pub name_lengths: bool,
+    /// With --symbolic: write the relations also as a Python module for SymPy
+    #[arg(long, requires = "symbolic", value_name = "FILE")]
+    pub sympy: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CodeArgs {
+    #[command(flatten)]
+    pub robot: RobotArgs,
+    /// The language
+    #[arg(long, default_value = Language::C.name(), value_parser = language())]
+    pub lang: Language,
+    /// What the code computes: inverse dynamics, the reduced regressor d1, the energy row
+    /// h1, the torques of gravity, the mass matrix
+    #[arg(long, default_value = What::Tau.name(), value_parser = what())]
+    pub what: What,
+    /// The parameters it takes: base parameters, or all standard ones
+    #[arg(long, default_value = "base", value_parser = ["base", "standard"])]
+    pub parameters: String,
+    /// Add friction to tau, Fv qd + Fc sign(qd), two parameters a joint
+    #[arg(long)]
+    pub friction: bool,
+    /// Show what the code costs in place of the code: operations with standard and with
+    /// base parameters, link by link
+    #[arg(long)]
+    pub counts: bool,
+    #[command(flatten)]
+    pub choice: ChoiceArgs,
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -305,6 +434,10 @@ fn model() -> impl TypedValueParser<Value = Model> {
     named(&Model::ALL, Model::name)
 }
 
+fn convention() -> impl TypedValueParser<Value = Convention> {
+    named(&Convention::ALL, Convention::name)
+}
+
 fn engine() -> impl TypedValueParser<Value = Engine> {
     named(&Engine::ALL, Engine::name)
 }
@@ -315,6 +448,14 @@ fn snap() -> impl TypedValueParser<Value = CleanMode> {
         "aggressive" => CleanMode::Aggressive,
         _ => CleanMode::Default,
     })
+}
+
+fn language() -> impl TypedValueParser<Value = Language> {
+    named(&Language::ALL, Language::name)
+}
+
+fn what() -> impl TypedValueParser<Value = What> {
+    named(&What::ALL, What::name)
 }
 
 fn format() -> impl TypedValueParser<Value = Format> {

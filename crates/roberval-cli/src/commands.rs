@@ -4,40 +4,62 @@ use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use roberval_base::{ScalingOptions, base_parameters};
+use clap::CommandFactory;
+use roberval_base::{Choice, ScalingOptions, base_parameters};
 use roberval_formats::{catalogue, clean_file};
 use roberval_mechanism::{CleanMode, Mechanism};
+use roberval_symbolic::{Naming, SymbolicOptions, symbolic_relations};
 use roberval_tables::{self as tables, Format, RobotEntry};
 
 use crate::arguments::{
-    BaseArgs, CleanArgs, Command, CompareArgs, OutputArgs, ScaleArgs, ShowArgs,
+    BaseArgs, CleanArgs, Cli, Command, CompareArgs, CompletionsArgs, OutputArgs, ScaleArgs,
+    ShowArgs,
 };
 use crate::error::CliError;
+use crate::look::Look;
 use crate::output::Target;
 use crate::robot::{load, policy};
-use crate::{CLEAR, DOUBTFUL, regressor, say};
+use crate::{CLEAR, DOUBTFUL, code, demo, lint, regressor, say};
 
 /// Runs a subcommand; gives the exit code.
 pub(crate) fn execute(
     command: &Command,
     out: &mut dyn Write,
     err: &mut dyn Write,
+    look: Look,
 ) -> Result<i32, CliError> {
     match command {
-        Command::Show(args) => show(args, out),
-        Command::Base(args) => base(args, out, err),
-        Command::Compare(args) => compare(args, out, err),
+        Command::Demo(args) => demo::run(args, out),
+        Command::Show(args) => show(args, out, look),
+        Command::Lint(args) => lint::run(args, out, err, look),
+        Command::Completions(args) => completions(args, out),
+        Command::Base(args) => base(args, out, err, look),
+        Command::Compare(args) => compare(args, out, err, look),
         Command::Clean(args) => clean(args, out, err),
         Command::Regressor(args) => regressor::run(args, out, err),
-        Command::Scale(args) => scale(args, out, err),
+        Command::Scale(args) => scale(args, out, err, look),
+        Command::Code(args) => code::run(args, out, err, look),
     }
 }
 
-fn show(args: &ShowArgs, out: &mut dyn Write) -> Result<i32, CliError> {
-    answer(&args.output, out, |format| match &args.robot {
-        Some(robot) => Ok(tables::show(&load(robot, &args.reading)?, format)),
+fn show(args: &ShowArgs, out: &mut dyn Write, look: Look) -> Result<i32, CliError> {
+    answer(&args.output, out, look, |format| match &args.robot {
+        Some(robot) => {
+            let mechanism = load(robot, &args.reading)?;
+            Ok(match args.order {
+                Some(order) => tables::parameters(&mechanism, order, format),
+                None => tables::show(&mechanism, format),
+            })
+        }
         None => Ok(list(format)),
     })?;
+    Ok(CLEAR)
+}
+
+fn completions(args: &CompletionsArgs, out: &mut dyn Write) -> Result<i32, CliError> {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), "roberval", &mut script);
+    Target::new(None)?.write(out, |sink| sink.write_all(&script))?;
     Ok(CLEAR)
 }
 
@@ -52,18 +74,20 @@ fn list(format: Format) -> String {
     tables::catalogue(&robots, format)
 }
 
-fn base(args: &BaseArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
-    let options = args.method.options(&args.choice)?;
-    let certificate = args.certificate.as_deref();
-    if certificate.is_some_and(|path| path == Path::new("-")) {
-        let what = "--certificate needs a file: the standard output is the result's".to_owned();
-        return Err(CliError::Usage(what));
+fn base(
+    args: &BaseArgs,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+    look: Look,
+) -> Result<i32, CliError> {
+    if args.symbolic {
+        return symbolic(args, out, err, look);
     }
-    let certificate = certificate
-        .map(|path| Target::new(Some(path)))
-        .transpose()?;
+    let options = args.method.options(&args.choice)?;
+    let certificate = beside("--certificate", args.certificate.as_deref())?;
+    let report = beside("--report", args.report.as_deref())?;
     let mut doubts = Vec::new();
-    answer(&args.output, out, |format| {
+    answer(&args.output, out, look, |format| {
         let mechanism = load(&args.robot.robot, &args.robot.reading)?;
         warn(&mechanism, err);
         let answer = base_parameters(&mechanism, &options)?;
@@ -77,9 +101,63 @@ fn base(args: &BaseArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32
             let text = answer.certificate()?;
             target.write(&mut std::io::sink(), |sink| sink.write_all(text.as_bytes()))?;
         }
+        if let Some(target) = &report {
+            let page = tables::report(&answer);
+            target.write(&mut std::io::sink(), |sink| sink.write_all(page.as_bytes()))?;
+        }
         Ok(tables::base(&answer, format))
     })?;
     Ok(verdict(&doubts, err))
+}
+
+fn symbolic(
+    args: &BaseArgs,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+    look: Look,
+) -> Result<i32, CliError> {
+    if args.certificate.is_some() || args.report.is_some() {
+        let what = "--certificate and --report are written without --symbolic".to_owned();
+        return Err(CliError::Usage(what));
+    }
+    let options = args.method.options(&args.choice)?;
+    let sympy = beside("--sympy", args.sympy.as_deref())?;
+    answer(&args.output, out, look, |format| {
+        let mechanism = load(&args.robot.robot, &args.robot.reading)?;
+        warn(&mechanism, err);
+        // The paper's choice needs no answer in numbers before.
+        let order = match options.choice {
+            Choice::Paper => None,
+            _ => base_parameters(&mechanism, &options)?
+                .decision
+                .map(|d| d.order),
+        };
+        let options = SymbolicOptions {
+            model: options.model,
+            naming: match args.name_lengths {
+                true => Naming::All,
+                false => Naming::Auto,
+            },
+            order,
+            seed: options.seed,
+        };
+        let answer = symbolic_relations(&mechanism, &options)?;
+        if let Some(target) = &sympy {
+            let text = tables::sympy(&answer);
+            target.write(&mut std::io::sink(), |sink| sink.write_all(text.as_bytes()))?;
+        }
+        Ok(tables::symbolic(&answer, format))
+    })?;
+    Ok(CLEAR)
+}
+
+/// The target of a file that is written beside the result.
+fn beside(option: &str, path: Option<&Path>) -> Result<Option<Target>, CliError> {
+    if path.is_some_and(|path| path == Path::new("-")) {
+        let what = format!("{option} needs a file: the standard output is the result's");
+        return Err(CliError::Usage(what));
+    }
+    path.map(|path| Target::new(Some(path))).transpose()
 }
 
 fn clean(args: &CleanArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
@@ -107,10 +185,15 @@ fn clean(args: &CleanArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i
     Ok(CLEAR)
 }
 
-fn compare(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
+fn compare(
+    args: &CompareArgs,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+    look: Look,
+) -> Result<i32, CliError> {
     let (choice, tolerance) = (args.choice.choice()?, args.choice.tolerance());
     let mut doubts = Vec::new();
-    answer(&args.output, out, |format| {
+    answer(&args.output, out, look, |format| {
         let mechanism = load(&args.robot.robot, &args.robot.reading)?;
         warn(&mechanism, err);
         let comparison = roberval_base::compare(&mechanism, &choice, tolerance, args.choice.seed)?;
@@ -120,7 +203,12 @@ fn compare(args: &CompareArgs, out: &mut dyn Write, err: &mut dyn Write) -> Resu
     Ok(verdict(&doubts, err))
 }
 
-fn scale(args: &ScaleArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i32, CliError> {
+fn scale(
+    args: &ScaleArgs,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+    look: Look,
+) -> Result<i32, CliError> {
     let options = ScalingOptions {
         model: args.model,
         seed: args.seed,
@@ -129,7 +217,7 @@ fn scale(args: &ScaleArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i
         ..ScalingOptions::default()
     };
     let mut doubts = Vec::new();
-    answer(&args.output, out, |format| {
+    answer(&args.output, out, look, |format| {
         let mechanism = load(&args.robot.robot, &args.robot.reading)?;
         warn(&mechanism, err);
         let scaling = roberval_base::scale(&mechanism, &options, |_| ControlFlow::Continue(()))?;
@@ -145,25 +233,30 @@ fn scale(args: &ScaleArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i
 }
 
 /// Computes a text and writes it where it belongs; a bad `-o` is told before computing.
-fn answer(
+pub(crate) fn answer(
     output: &OutputArgs,
     out: &mut dyn Write,
+    look: Look,
     compute: impl FnOnce(Format) -> Result<String, CliError>,
 ) -> Result<(), CliError> {
     let target = Target::new(output.output.as_deref())?;
-    let text = compute(output.format)?;
+    let format = match (&target, output.format) {
+        (Target::Stdout, Format::Table) if look.colour => Format::Coloured,
+        (_, format) => format,
+    };
+    let text = look.during(|| compute(format))?;
     target.write(out, |sink| sink.write_all(text.as_bytes()))
 }
 
 /// Tells what the reader of the robot file noticed.
-fn warn(mechanism: &Mechanism, err: &mut dyn Write) {
+pub(crate) fn warn(mechanism: &Mechanism, err: &mut dyn Write) {
     for warning in &mechanism.description.warnings {
         say(err, "warning", warning);
     }
 }
 
 /// Tells the doubts; gives the exit code.
-fn verdict(doubts: &[String], err: &mut dyn Write) -> i32 {
+pub(crate) fn verdict(doubts: &[String], err: &mut dyn Write) -> i32 {
     for doubt in doubts {
         say(err, "doubt", doubt);
     }

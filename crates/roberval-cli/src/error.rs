@@ -2,8 +2,10 @@ use std::io;
 use std::path::PathBuf;
 
 use roberval_base::{BaseError, CertificateError};
+use roberval_code::CodeError;
 use roberval_formats::FormatError;
 use roberval_mechanism::MechanismError;
+use roberval_symbolic::SymbolicError;
 
 use crate::states::StatesError;
 
@@ -25,6 +27,12 @@ pub(crate) enum CliError {
     /// The certificate.
     #[error(transparent)]
     Certificate(#[from] CertificateError),
+    /// Relations in symbols.
+    #[error(transparent)]
+    Symbolic(#[from] SymbolicError),
+    /// Generated code.
+    #[error(transparent)]
+    Code(#[from] CodeError),
     /// The file of joint states.
     #[error(transparent)]
     States(#[from] StatesError),

@@ -3,8 +3,12 @@
 //! The result alone goes to `out`, what there is to say about it to `err`.
 
 mod arguments;
+mod code;
 mod commands;
+mod demo;
 mod error;
+mod lint;
+mod look;
 mod output;
 mod regressor;
 mod robot;
@@ -18,9 +22,12 @@ use roberval_tables::printable;
 
 use arguments::Cli;
 use error::CliError;
+pub use look::Look;
 
 /// The answer is sure.
 const CLEAR: i32 = 0;
+/// Findings in a robot file.
+const FOUND: i32 = 1;
 /// There is an answer, but its rank is doubtful or the engines disagree.
 const DOUBTFUL: i32 = 1;
 /// Bad input: no answer.
@@ -29,14 +36,16 @@ const BAD_INPUT: i32 = 2;
 /// Runs a command line; `args` begin with the program's name.
 ///
 /// Gives the exit code: 0 clear, 1 computed but doubtful or engines disagree, 2 bad
-/// input. A reader that goes away (broken pipe) is no error.
+/// input; `lint`: 0 nothing found, 1 findings, 2 a file cannot be read. A reader that goes
+/// away (broken pipe) is no error.
 pub fn run(
     args: impl IntoIterator<Item = OsString>,
     out: &mut dyn Write,
     err: &mut dyn Write,
+    look: Look,
 ) -> i32 {
     let result = match Cli::try_parse_from(args) {
-        Ok(cli) => commands::execute(&cli.command, out, err),
+        Ok(cli) => commands::execute(&cli.command, out, err, look),
         Err(error) if error.use_stderr() => {
             // Nobody is left to tell if even this cannot be written.
             let _ = write!(err, "{}", error.render());

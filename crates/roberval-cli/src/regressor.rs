@@ -77,7 +77,7 @@ impl Rows<'_> {
     fn shape(&self) -> Vec<usize> {
         let (count, width) = (self.states.count, self.columns.len());
         match self.model {
-            Model::D | Model::D0 => vec![count, self.mechanism.dof(), width],
+            Model::D | Model::D0 => vec![count, self.mechanism.independent(), width],
             Model::H => vec![count, width],
         }
     }
@@ -90,7 +90,7 @@ impl Rows<'_> {
     /// NPY, version 1.0, C order.
     fn write(&self, sink: &mut dyn Write) -> io::Result<()> {
         sink.write_all(&header(&self.shape()))?;
-        let dof = self.mechanism.dof();
+        let dof = self.mechanism.independent();
         let row = self.model.rows(dof) * self.columns.len();
         let block = (BLOCK / row.max(1)).max(1);
         let mut numbers = Vec::new();
@@ -108,7 +108,7 @@ impl Rows<'_> {
     }
 
     fn fill(&self, from: usize, to: usize, numbers: &mut [f64]) -> Result<(), RegressorError> {
-        let states = self.states.slice(from, to, self.mechanism.dof());
+        let states = self.states.slice(from, to, self.mechanism.independent());
         if self.columns.len() == self.regressor.parameters().len() {
             return self.regressor.fill(self.model, states, numbers);
         }

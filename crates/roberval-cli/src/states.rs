@@ -78,7 +78,7 @@ pub(crate) fn read(
     }
     file.rewind().map_err(unreadable)?;
     if magic.starts_with(b"PK") {
-        npz::read(file, mechanism.dof(), model, note).map_err(refuse)
+        npz::read(file, mechanism.independent(), model, note).map_err(refuse)
     } else {
         csv::read(file, mechanism, model, note).map_err(|(line, what)| StatesError {
             line,

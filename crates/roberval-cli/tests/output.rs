@@ -100,7 +100,12 @@ fn a_closed_pipe_is_quiet_and_a_full_disk_is_an_error() {
     let run = |kind| {
         let args = ["roberval", "base", "puma560"].map(OsString::from);
         let mut err = Vec::new();
-        let code = roberval_cli::run(args, &mut Closing(100, kind), &mut err);
+        let code = roberval_cli::run(
+            args,
+            &mut Closing(100, kind),
+            &mut err,
+            roberval_cli::Look::default(),
+        );
         (code, String::from_utf8(err).expect("UTF-8"))
     };
     assert_eq!(run(io::ErrorKind::BrokenPipe), (0, String::new()));

@@ -98,4 +98,17 @@ const CATALOGUE: &[CatalogueEntry] = &[
         "Torso with two arms, a tree",
         "proportions of our own"
     ),
+    robot!(
+        "hitachi_hpr",
+        "HITACHI-HPR, a parallelogram: the paper's constraints on a stand-in geometry",
+        "M. Gautier, Numerical calculation of the base inertial parameters of robots, \
+         Journal of Robotic Systems 8(4), 1991, gives the constraints; the geometry there \
+         is not published, this one is of our own"
+    ),
+    robot!(
+        "sr400",
+        "Acma SR400, a parallelogram",
+        "W. Khalil and E. Dombre, Modeling, Identification and Control of Robots, 2002; \
+         lengths of our own"
+    ),
 ];

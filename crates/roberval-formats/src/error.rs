@@ -52,10 +52,10 @@ pub enum Code {
     Contradiction = 211,
     /// An expression uses a name that is not among the constants.
     UnknownConstant = 220,
-    /// Mimic joints that copy each other in a circle.
-    MimicCycle = 230,
-    /// A mimic joint copies a joint that does not exist.
-    MimicUnknown = 231,
+    /// Joints that follow from each other in a circle (mimic joints, couples).
+    CoupleCycle = 230,
+    /// A mimic joint or couple names a joint that does not exist.
+    CoupleUnknown = 231,
     /// A number that is not finite, or an expression without a finite value.
     NotFinite = 240,
     /// A joint axis of length zero.
@@ -167,14 +167,18 @@ impl fmt::Display for FormatError {
         if let Some(hint) = &self.hint {
             write!(line, "; {hint}")?;
         }
-        // Texts from the file reach terminals and logs through here.
-        for c in line.chars() {
-            if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}' | '\u{202a}'..='\u{202e}') {
-                write!(f, "{}", c.escape_unicode())?;
-            } else {
-                f.write_char(c)?;
-            }
-        }
-        Ok(())
+        f.write_str(&visible(&line))
     }
+}
+
+/// Texts from files reach terminals and logs through here.
+pub(crate) fn visible(line: &str) -> String {
+    line.chars().fold(String::new(), |mut text, c| {
+        if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}' | '\u{202a}'..='\u{202e}') {
+            text.extend(c.escape_unicode());
+        } else {
+            text.push(c);
+        }
+        text
+    })
 }

@@ -5,6 +5,7 @@
 
 mod catalogue;
 mod error;
+mod lint;
 mod load;
 mod source;
 mod splice;
@@ -15,8 +16,9 @@ mod words;
 
 pub use catalogue::{CatalogueEntry, catalogue};
 pub use error::{Code, FormatError, Position};
+pub use lint::{Finding, Rule, Severity, lint};
 pub use load::{clean_file, load, load_with};
 pub use roberval_mechanism::RobotDescription;
 pub use source::MAX_FILE_BYTES;
 pub use toml::{clean_toml, parse_toml, to_toml};
-pub use urdf::{UrdfOptions, clean_urdf, parse_urdf};
+pub use urdf::{UrdfOptions, clean_urdf, parse_urdf, to_urdf};

@@ -46,13 +46,13 @@ pub fn clean_file(
 }
 
 /// What a robot file holds.
-enum Kind {
+pub(crate) enum Kind {
     Toml,
     Urdf,
 }
 
 /// Reads a robot file or built-in robot and hands on its text, its name and its kind.
-fn with_text<T>(
+pub(crate) fn with_text<T>(
     path_or_name: &str,
     read_text: impl FnOnce(&str, &str, Kind) -> Result<T, FormatError>,
 ) -> Result<T, FormatError> {

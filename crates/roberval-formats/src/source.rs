@@ -1,3 +1,4 @@
+use std::cell::RefCell;
 use std::ops::Range;
 
 use roberval_scalar::LiteralError;
@@ -8,10 +9,11 @@ use crate::error::{Code, FormatError, Position};
 pub const MAX_FILE_BYTES: usize = 64 << 20;
 
 /// A text with its name: makes errors that know their line and column.
-#[derive(Clone, Copy)]
 pub(crate) struct Source<'a> {
     pub name: &'a str,
     pub text: &'a str,
+    /// Faults that were read over, a sentence each.
+    pub warnings: RefCell<Vec<(Position, String)>>,
 }
 
 impl<'a> Source<'a> {
@@ -22,7 +24,12 @@ impl<'a> Source<'a> {
         if text.trim().is_empty() {
             return Err(FormatError::new(Code::Empty, name, "the file is empty"));
         }
-        Ok(Self { name, text })
+        let warnings = RefCell::default();
+        Ok(Self {
+            name,
+            text,
+            warnings,
+        })
     }
 
     /// Line and column of a byte; a byte outside the text counts as its end.
@@ -38,6 +45,12 @@ impl<'a> Source<'a> {
             line: number(before.bytes().filter(|b| *b == b'\n').count() + 1),
             column: number(before[start..].chars().count() + 1),
         }
+    }
+
+    /// Notes a fault that was read over.
+    pub fn warn(&self, offset: usize, place: &str, what: &str) {
+        let slip = (self.position(offset), format!("{place}: {what}"));
+        self.warnings.borrow_mut().push(slip);
     }
 
     pub fn error(&self, code: Code, offset: usize, what: impl Into<String>) -> FormatError {
@@ -85,7 +98,11 @@ pub(crate) fn decode<'a>(name: &str, bytes: &'a [u8]) -> Result<&'a str, FormatE
     }
     std::str::from_utf8(bytes).map_err(|error| {
         let valid = std::str::from_utf8(&bytes[..error.valid_up_to()]).unwrap_or("");
-        let source = Source { name, text: valid };
+        let source = Source {
+            name,
+            text: valid,
+            warnings: RefCell::default(),
+        };
         let byte = bytes[valid.len()];
         source
             .error(

@@ -6,7 +6,7 @@ use roberval_scalar::{Expr, Quantity};
 use crate::words::list;
 
 /// A plain number of radians beyond a full turn: most likely degrees.
-const MOST_RADIANS: f64 = 7.0;
+pub(crate) const MOST_RADIANS: f64 = 7.0;
 
 /// The links whose angles look like degrees, in a sentence.
 pub(crate) fn degrees(robot: &RobotDescription) -> Option<String> {

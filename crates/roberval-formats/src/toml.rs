@@ -1,11 +1,13 @@
 //! Robot TOML: modified Denavit-Hartenberg frames of Khalil and Kleinfinger.
 
 mod clean;
+mod couple;
+mod loops;
 mod section;
 mod write;
 
 use roberval_mechanism::{
-    Geometry, JointKind, LinkDescription, MdhGeometry, ParameterKind, RobotDescription,
+    Geometry, JointKind, LinkDescription, MdhGeometry, Origin, ParameterKind, RobotDescription,
     SourceFormat, TreeError,
 };
 use roberval_scalar::{Constants, Quantity, is_constant_name};
@@ -16,6 +18,7 @@ use crate::source::{Source, check_size, stem};
 use crate::suspects;
 use crate::words::{nearest, quoted};
 pub use clean::clean_toml;
+pub(crate) use clean::{change_key, with_spans};
 use section::Section;
 pub use write::to_toml;
 
@@ -28,7 +31,7 @@ const MAX_CONSTANTS: usize = 1000;
 /// The name that stands for the base in `antecedent`.
 pub(crate) const BASE: &str = "base";
 
-const ROBOT_KEYS: &[&str] = &["name", "gravity", "constants", "link"];
+const ROBOT_KEYS: &[&str] = &["name", "gravity", "constants", "link", "couple", "loop"];
 const LINK_KEYS: &[&str] = &[
     "name",
     "antecedent",
@@ -41,8 +44,16 @@ const LINK_KEYS: &[&str] = &[
     "d",
     "theta",
     "r",
+    "joint_name",
+    "xyz",
+    "rpy",
+    "axis",
     "inertia",
 ];
+
+/// Keys of links that are placed as in URDF, and those of modified Denavit-Hartenberg ones.
+const PLACED_KEYS: [&str; 3] = ["xyz", "rpy", "axis"];
+const MDH_KEYS: [&str; 6] = ["gamma", "b", "alpha", "d", "theta", "r"];
 
 /// Reads a robot TOML. `source_name` names the text in messages, and the robot where the
 /// text gives no name.
@@ -62,19 +73,34 @@ pub fn parse_toml(text: &str, source_name: &str) -> Result<RobotDescription, For
         name: robot.name("name")?.unwrap_or_else(|| stem(source_name)),
         gravity: gravity(&robot, &constants)?,
         links: Vec::new(),
+        couples: Vec::new(),
+        loops: Vec::new(),
         constants,
         format: SourceFormat::Mdh,
         warnings: Vec::new(),
     };
+    let dependent = couple::dependent_joints(&robot)?;
     let tables = link_tables(&robot)?;
     for (number, (table, offset)) in (1..).zip(&tables) {
         let place = format!("link {number}");
         let section = Section::new(&source, *table, &place, *offset);
         let previous = description.links.last().map(|link| link.name.as_str());
-        let link = link(&section, number, previous, &description.constants)?;
+        let link = link(
+            &section,
+            number,
+            previous,
+            &dependent,
+            &description.constants,
+        )?;
         description.links.push(link);
     }
+    let placed = |link: &LinkDescription| matches!(link.geometry, Geometry::Placed { .. });
+    if description.links.iter().any(placed) {
+        description.format = SourceFormat::Placed;
+    }
     check_tree(&source, &description, &tables)?;
+    couple::couples(&robot, &mut description)?;
+    description.loops = loops::read(&robot, &description)?;
     description.warnings = warnings(&description);
     Ok(description)
 }
@@ -124,20 +150,38 @@ fn gravity(robot: &Section, constants: &Constants) -> Result<[Quantity; 3], Form
         let down = Quantity::parse_decimal("-9.81").unwrap_or_else(|_| Quantity::zero());
         [Quantity::zero(), Quantity::zero(), down]
     };
-    Ok(robot.vector("gravity", constants)?.unwrap_or_else(default))
+    Ok(robot
+        .vector("gravity", Quantity::parse_number, constants)?
+        .unwrap_or_else(default))
 }
 
-type LinkTables<'d> = Vec<(&'d dyn TableLike, usize)>;
+type Tables<'d> = Vec<(&'d dyn TableLike, usize)>;
 
-/// The `[[link]]` tables (or the tables of an array `link = [...]`) and where they begin.
-fn link_tables<'d>(robot: &Section<'_, 'd>) -> Result<LinkTables<'d>, FormatError> {
+/// The `[[link]]` tables: at least one.
+fn link_tables<'d>(robot: &Section<'_, 'd>) -> Result<Tables<'d>, FormatError> {
+    let tables = tables(robot, "link")?;
+    if tables.is_empty() {
+        return Err(
+            FormatError::new(Code::NoLink, robot.source.name, "the robot has no link")
+                .hint("describe each link in a [[link]] table"),
+        );
+    }
+    Ok(tables)
+}
+
+/// The `[[key]]` tables (or the tables of an array `key = [...]`) and where they begin.
+fn tables<'d>(robot: &Section<'_, 'd>, key: &str) -> Result<Tables<'d>, FormatError> {
     let start = |span: Option<std::ops::Range<usize>>| span.map_or(0, |s| s.start);
     let wrong = || {
         robot
-            .fault(Code::WrongType, "link", "link must be a list of tables")
-            .hint("begin each link with [[link]]")
+            .fault(
+                Code::WrongType,
+                key,
+                format!("{key} must be a list of tables"),
+            )
+            .hint(format!("begin each {key} with [[{key}]]"))
     };
-    let tables: LinkTables = match robot.table.get("link") {
+    let tables: Tables = match robot.table.get(key) {
         None => Vec::new(),
         Some(Item::ArrayOfTables(tables)) => tables
             .iter()
@@ -153,12 +197,6 @@ fn link_tables<'d>(robot: &Section<'_, 'd>) -> Result<LinkTables<'d>, FormatErro
             })
             .collect::<Result<_, FormatError>>()?,
     };
-    if tables.is_empty() {
-        return Err(
-            FormatError::new(Code::NoLink, robot.source.name, "the robot has no link")
-                .hint("describe each link in a [[link]] table"),
-        );
-    }
     Ok(tables)
 }
 
@@ -166,6 +204,7 @@ fn link(
     section: &Section,
     number: usize,
     previous: Option<&str>,
+    dependent: &[String],
     constants: &Constants,
 ) -> Result<LinkDescription, FormatError> {
     section.only(LINK_KEYS)?;
@@ -178,7 +217,8 @@ fn link(
     }
     let joint = joint_kind(section)?;
     let moving = joint != JointKind::Fixed;
-    let active = section.boolean("active")?.unwrap_or(moving);
+    let driven = moving && !dependent.contains(&name);
+    let active = section.boolean("active")?.unwrap_or(driven);
     let rotor = section.boolean("rotor")?.unwrap_or(active && moving);
     for (key, value) in [("active", active), ("rotor", rotor)] {
         if value && !moving {
@@ -188,17 +228,18 @@ fn link(
             )));
         }
     }
+    let joint_name = section.name("joint_name")?;
+    let label = joint_name.as_deref().unwrap_or(&name);
     Ok(LinkDescription {
         antecedent: antecedent(section, previous)?,
-        geometry: Geometry::Mdh(Box::new(geometry(section, joint, constants)?)),
+        geometry: placement(section, joint, label, constants)?,
         inertia: inertia(section, rotor, constants)?,
         name,
-        joint_name: None,
+        joint_name,
         joint,
         active,
         rotor,
         limits: None,
-        mimic: None,
     })
 }
 
@@ -225,6 +266,54 @@ fn antecedent(section: &Section, previous: Option<&str>) -> Result<Option<String
         Some(name) if name == BASE => None,
         Some(name) => Some(name),
     })
+}
+
+/// Where the link is: by xyz, rpy and axis as in URDF, else by modified Denavit-Hartenberg
+/// parameters.
+fn placement(
+    section: &Section,
+    joint: JointKind,
+    joint_name: &str,
+    constants: &Constants,
+) -> Result<Geometry, FormatError> {
+    let has = |key: &&&str| section.table.contains_key(key);
+    let Some(placed) = PLACED_KEYS.iter().find(has) else {
+        let geometry = geometry(section, joint, constants)?;
+        return Ok(Geometry::Mdh(Box::new(geometry)));
+    };
+    if let Some(key) = MDH_KEYS.iter().find(has) {
+        let what = format!("{key} and {placed} exclude each other");
+        return Err(section.fault(Code::Contradiction, key, what).hint(
+            "place a link by xyz, rpy and axis, or by modified Denavit-Hartenberg parameters",
+        ));
+    }
+    let vector = |key: &str, read| {
+        let value = section.vector(key, read, constants)?;
+        Ok::<_, FormatError>(value.unwrap_or_else(|| [(); 3].map(|()| Quantity::zero())))
+    };
+    let origin = Origin {
+        joint: joint_name.to_owned(),
+        xyz: vector("xyz", Quantity::parse_length)?,
+        rpy: vector("rpy", Quantity::parse_angle)?,
+    };
+    let axis = match section.vector("axis", Quantity::parse_number, constants)? {
+        Some(axis) if joint != JointKind::Fixed && axis.iter().all(|x| x.value == 0.0) => {
+            let what = "the joint axis is zero";
+            return Err(section
+                .fault(Code::ZeroAxis, "axis", what)
+                .hint("write a direction such as axis = [0, 0, 1]"));
+        }
+        Some(axis) => axis,
+        None => [Quantity::zero(), Quantity::zero(), one()],
+    };
+    Ok(Geometry::Placed {
+        origins: vec![origin],
+        axis,
+    })
+}
+
+fn one() -> Quantity {
+    Quantity::parse_decimal("1").unwrap_or_else(|_| Quantity::zero())
 }
 
 /// gamma and b default to 0 (a chain has neither), and so does the constant to which the
@@ -283,7 +372,7 @@ fn inertia(
 fn check_tree(
     source: &Source,
     description: &RobotDescription,
-    tables: &LinkTables,
+    tables: &Tables,
 ) -> Result<(), FormatError> {
     let Err(fault) = description.antecedents() else {
         return Ok(());

@@ -8,6 +8,7 @@ mod link;
 mod node;
 mod prescan;
 mod tree;
+mod write;
 
 use std::collections::HashMap;
 
@@ -17,8 +18,12 @@ use roxmltree::{Document, Error, Node, ParsingOptions};
 use crate::error::{Code, FormatError};
 use crate::source::{Source, name_fault, stem};
 use crate::words::quoted;
+pub(crate) use assemble::{is_unit, of_joints};
 pub use clean::clean_urdf;
-use node::Element;
+pub(crate) use joint::Joint;
+pub(crate) use link::Link;
+pub(crate) use node::Element;
+pub use write::to_urdf;
 
 /// The most XML nodes that are read.
 const MAX_NODES: u32 = 2_000_000;
@@ -48,25 +53,34 @@ pub fn parse_urdf(
     options: UrdfOptions,
 ) -> Result<RobotDescription, FormatError> {
     let source = Source::new(source_name, text)?;
-    prescan::check(&source)?;
+    with_robot(&source, |root| {
+        let name = match root.attribute("name")? {
+            None => stem(source_name),
+            Some(name) if name_fault(name).is_some() => stem(source_name),
+            Some(name) => name.to_owned(),
+        };
+        let links = elements(root, "link", Link::read)?;
+        let joints = elements(root, "joint", Joint::read)?;
+        let tree = tree::Tree::new(&source, &links, &joints)?;
+        assemble::description(&source, name, &links, &joints, &tree, options)
+    })
+}
+
+/// Hands on the `<robot>` of a text, once it is sure that there is one.
+pub(crate) fn with_robot<T>(
+    source: &Source,
+    read: impl FnOnce(&Element) -> Result<T, FormatError>,
+) -> Result<T, FormatError> {
+    prescan::check(source)?;
     let limits = ParsingOptions {
         nodes_limit: MAX_NODES,
         ..ParsingOptions::default()
     };
     let document =
-        Document::parse_with_options(source.text, limits).map_err(|e| malformed(&source, &e))?;
-    let root = Element::new(&source, document.root_element(), "robot");
+        Document::parse_with_options(source.text, limits).map_err(|e| malformed(source, &e))?;
+    let root = Element::new(source, document.root_element(), "robot");
     check_format(&root)?;
-    let name = match root.attribute("name")? {
-        None => stem(source_name),
-        Some(name) if name_fault(name).is_some() => stem(source_name),
-        Some(name) => name.to_owned(),
-    };
-
-    let links = elements(&root, "link", link::Link::read)?;
-    let joints = elements(&root, "joint", joint::Joint::read)?;
-    let tree = tree::Tree::new(&source, &links, &joints)?;
-    assemble::description(&source, name, &links, &joints, &tree, options)
+    read(&root)
 }
 
 fn malformed(source: &Source, error: &Error) -> FormatError {
@@ -117,7 +131,7 @@ fn check_format(root: &Element) -> Result<(), FormatError> {
         "sdf" | "gazebo" => ("this is SDF, not URDF", "convert the model to URDF"),
         "mujoco" => (
             "this is MJCF (MuJoCo), not URDF",
-            "convert the model to URDF",
+            "the roberval of Python reads it: pip install roberval mujoco",
         ),
         "html" => (
             "this is a web page, not a robot file",

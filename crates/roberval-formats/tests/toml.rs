@@ -2,7 +2,9 @@
 
 use proptest::prelude::*;
 use roberval_formats::{RobotDescription, catalogue, load, parse_toml, to_toml};
-use roberval_mechanism::{Geometry, JointKind, LinkDescription, MdhGeometry, SourceFormat};
+use roberval_mechanism::{
+    Couple, Geometry, JointKind, LinkDescription, MdhGeometry, SourceFormat, Term,
+};
 use roberval_scalar::{Decimal, Expr, Quantity};
 
 fn read(text: &str) -> RobotDescription {
@@ -259,32 +261,67 @@ fn link(number: usize) -> impl Strategy<Value = LinkDescription> {
                 geometry: Geometry::Mdh(Box::new(geometry)),
                 inertia,
                 limits: None,
-                mimic: None,
             }
         },
     )
 }
 
+/// A multiplier and an offset, or none.
+fn factor() -> impl Strategy<Value = Option<(String, String)>> {
+    let multiplier = prop::sample::select(vec!["1", "-1", "-3/2", "0.250", "L/3", "2*L"]);
+    let offset = prop::sample::select(vec!["0", "3*pi", "-0.1", "K"]);
+    let both = (multiplier, offset).prop_map(|(m, o)| (m.to_owned(), o.to_owned()));
+    prop::option::of(both)
+}
+
+/// Some joints follow the first one that moves.
+fn couples(links: &[LinkDescription], factors: Vec<Option<(String, String)>>) -> Vec<Couple> {
+    let read = |text: &str| Quantity::parse_angle(text, &constants()).unwrap();
+    let mut moving = links.iter().filter(|l| l.joint != JointKind::Fixed);
+    let Some(first) = moving.next() else {
+        return Vec::new();
+    };
+    let couple = |(link, factor): (&LinkDescription, Option<(String, String)>)| {
+        let (multiplier, offset) = factor?;
+        let term = Term {
+            joint: first.name.clone(),
+            multiplier: read(&multiplier),
+        };
+        Some(Couple {
+            joint: link.name.clone(),
+            terms: vec![term],
+            offset: read(&offset),
+        })
+    };
+    moving.zip(factors).filter_map(couple).collect()
+}
+
 fn robot() -> impl Strategy<Value = RobotDescription> {
     let links = (1..8usize).prop_flat_map(|n| (0..n).map(link).collect::<Vec<_>>());
-    (links, any::<bool>()).prop_map(|(mut links, backwards)| {
-        let names: Vec<String> = links.iter().map(|l| l.name.clone()).collect();
-        for link in &mut links {
-            let on = link.antecedent.take();
-            link.antecedent = on.map(|k| names[k.parse::<usize>().unwrap()].clone());
-        }
-        if backwards {
-            links.reverse();
-        }
-        RobotDescription {
-            name: "a \"robot\"".to_owned(),
-            gravity: ["0", "-L", "9.810"].map(|t| Quantity::parse_number(t, &constants()).unwrap()),
-            constants: constants(),
-            links,
-            format: SourceFormat::Mdh,
-            warnings: Vec::new(),
-        }
-    })
+    (links, any::<bool>(), prop::collection::vec(factor(), 7)).prop_map(
+        |(mut links, backwards, factors)| {
+            let names: Vec<String> = links.iter().map(|l| l.name.clone()).collect();
+            for link in &mut links {
+                let on = link.antecedent.take();
+                link.antecedent = on.map(|k| names[k.parse::<usize>().unwrap()].clone());
+            }
+            if backwards {
+                links.reverse();
+            }
+            let couples = couples(&links, factors);
+            RobotDescription {
+                name: "a \"robot\"".to_owned(),
+                gravity: ["0", "-L", "9.810"]
+                    .map(|t| Quantity::parse_number(t, &constants()).unwrap()),
+                constants: constants(),
+                links,
+                couples,
+                loops: Vec::new(),
+                format: SourceFormat::Mdh,
+                warnings: Vec::new(),
+            }
+        },
+    )
 }
 
 proptest! {

@@ -75,19 +75,23 @@ fn joints_keep_their_kind_limits_and_mimic() {
     let robot = read(SMALL, LUMPED);
     let upper = link(&robot, "upper");
     assert_eq!((upper.joint, upper.limits), (JointKind::Revolute, None));
-    assert!(upper.active && upper.rotor && upper.mimic.is_none());
+    assert!(upper.active && upper.rotor);
     let lower = link(&robot, "lower");
     assert_eq!(
         (lower.joint, lower.limits),
         (JointKind::Prismatic, Some((-0.1, 0.2)))
     );
     let finger = link(&robot, "finger");
-    let mimic = finger.mimic.as_ref().unwrap();
-    assert_eq!(mimic.joint, "shoulder");
-    assert_eq!(
-        (mimic.multiplier.text.as_str(), mimic.offset.text.as_str()),
-        ("-0.5", "0.1")
-    );
+    let [couple] = &robot.couples[..] else {
+        panic!("one couple")
+    };
+    assert_eq!(couple.joint, "finger");
+    let terms = couple.terms.iter();
+    let terms: Vec<_> = terms
+        .map(|t| (t.joint.as_str(), t.multiplier.text.as_str()))
+        .collect();
+    assert_eq!(terms, [("upper", "-0.5")], "links' names, not joints'");
+    assert_eq!(couple.offset.text, "0.1");
     assert!(
         !finger.active && !finger.rotor,
         "a mimic joint has no motor of its own"
@@ -96,15 +100,9 @@ fn joints_keep_their_kind_limits_and_mimic() {
 }
 
 #[test]
-fn warnings_say_what_is_missing_and_what_is_not_applied() {
+fn warnings_say_what_is_odd() {
     let robot = read(SMALL, LUMPED);
-    assert_eq!(
-        robot.warnings,
-        [
-            "links without inertial values (2): \"lower\", \"finger\"",
-            "mimic joints, not applied yet: they move freely (1): \"finger\"",
-        ]
-    );
+    assert_eq!(robot.warnings, [""; 0]);
     let none = read("<robot name='r'><link name='a'/></robot>", LUMPED);
     assert_eq!(none.warnings, ["no joint of the robot moves"]);
     let odd = read(
@@ -121,6 +119,33 @@ fn warnings_say_what_is_missing_and_what_is_not_applied() {
             "joints whose axis is not of length 1, normalised (1): \"j\"",
             "joints whose lower limit is above the upper one (1): \"j\"",
         ]
+    );
+}
+
+#[test]
+fn commas_after_numbers_and_second_origins_are_read_over_with_a_warning() {
+    let text = |origins: &str| {
+        format!(
+            "<robot name='r'><link name='a'/>\n<link name='b'/>\n<joint name='j' type='revolute'>\
+             <parent link='a'/><child link='b'/>\n{origins}</joint></robot>"
+        )
+    };
+    let plain = read(&text("<origin rpy='1.5 1.3 1' xyz='1 2 3'/>"), LUMPED);
+    let commas = read(&text("<origin rpy='1.5, 1.3 1' xyz='1, 2,\t3,'/>"), LUMPED);
+    assert_eq!(plain.links, commas.links);
+    assert_eq!(
+        commas.warnings,
+        [
+            "line 4, joint \"j\", origin xyz: commas in \"1, 2, 3,\" are taken for blanks",
+            "line 4, joint \"j\", origin rpy: commas in \"1.5, 1.3 1\" are taken for blanks",
+        ]
+    );
+    let twice = "<origin rpy='1.5 1.3 1' xyz='1 2 3'/>\n<origin xyz='9 9 9'/>\n<origin/>";
+    let twice = read(&text(twice), LUMPED);
+    assert_eq!(plain.links, twice.links);
+    assert_eq!(
+        twice.warnings,
+        ["line 5, joint \"j\": a second <origin>: the first is taken"]
     );
 }
 

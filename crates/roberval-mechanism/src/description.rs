@@ -4,6 +4,8 @@ use std::collections::HashMap;
 use nalgebra::{Matrix3, Vector3};
 use roberval_scalar::Quantity;
 
+use crate::{Couple, LoopClosure};
+
 /// What a robot file says, with its numbers as written. Links stand in file order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotDescription {
@@ -15,14 +17,25 @@ pub struct RobotDescription {
     pub constants: Vec<(String, Quantity)>,
     /// The moving links (and the fixed ones that were kept), in file order.
     pub links: Vec<LinkDescription>,
+    /// Joints whose positions follow from others'.
+    pub couples: Vec<Couple>,
+    /// Joints that were cut to make a tree of the links.
+    pub loops: Vec<LoopClosure>,
     /// Where the description comes from.
     pub format: SourceFormat,
     /// What the reader noticed and the user should know (missing inertias, unnormalised
-    /// axes, mimic joints that are not applied, ...).
+    /// axes, ...).
     pub warnings: Vec<String>,
 }
 
 impl RobotDescription {
+    /// What messages call the joint that moves a link: its own name, or else the link's.
+    #[must_use]
+    pub fn joint_label(&self, link: usize) -> &str {
+        let link = &self.links[link];
+        link.joint_name.as_deref().unwrap_or(&link.name)
+    }
+
     /// The same robot without rotor inertias: ten parameters a link, the rigid bodies'
     /// own.
     #[must_use]
@@ -143,6 +156,8 @@ fn circle(names: &[String]) -> String {
 pub enum SourceFormat {
     /// Modified Denavit-Hartenberg frames of Khalil and Kleinfinger.
     Mdh,
+    /// Robot TOML with links placed as in URDF.
+    Placed,
     /// URDF link frames.
     Urdf,
 }
@@ -169,8 +184,6 @@ pub struct LinkDescription {
     pub inertia: [Option<Quantity>; 11],
     /// Lower and upper joint limit (rad or m), where the file gives them.
     pub limits: Option<(f64, f64)>,
-    /// The joint that this one copies.
-    pub mimic: Option<Mimic>,
 }
 
 /// sigma: what a joint allows.
@@ -248,17 +261,6 @@ impl Origin {
         let position = Vector3::from_fn(|k, _| self.xyz[k].value);
         (rotation, position)
     }
-}
-
-/// q = multiplier * q(joint) + offset.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Mimic {
-    /// Name of the joint that is copied.
-    pub joint: String,
-    /// Factor, default 1.
-    pub multiplier: Quantity,
-    /// Offset, default 0.
-    pub offset: Quantity,
 }
 
 #[cfg(test)]

@@ -3,7 +3,10 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::clean::{CleanPolicy, Cleaned, clean};
-use crate::{JointKind, ParameterSpace, RobotDescription, TreeError, order, placement};
+use crate::{
+    Assembly, AssemblyError, Closure, CoupleError, JointKind, LoopError, ParameterSpace,
+    RobotDescription, TreeError, order, placement,
+};
 
 /// A valid robot with numbers: a chain or tree of links, each after its antecedent.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +17,11 @@ pub struct Mechanism {
     pub gravity: Vector3<f64>,
     /// The links in parameter order; a link's antecedent has a smaller index.
     pub links: Vec<Link>,
+    /// How all joint variables follow from the independent ones; `None` where all are
+    /// independent.
+    pub closure: Option<Closure>,
+    /// The branch on which the loops are closed; `None` without loops.
+    pub assembly: Option<Arc<Assembly>>,
     /// What the numbers were made from: the exact engine reads the literals there.
     pub description: Arc<RobotDescription>,
     /// What was set right before, and the description as it was written; `None` for a
@@ -78,6 +86,20 @@ pub enum MechanismError {
     /// The links do not form a tree on the base.
     #[error(transparent)]
     Tree(#[from] TreeError),
+    /// A couple that cannot be.
+    #[error(transparent)]
+    Couple(#[from] CoupleError),
+    /// A loop that is none.
+    #[error(transparent)]
+    Loop(#[from] LoopError),
+    /// Loops that cannot be assembled or moved.
+    #[error("the robot \"{robot}\": {error}")]
+    Assembly {
+        /// The robot's name.
+        robot: String,
+        /// Why.
+        error: AssemblyError,
+    },
     /// A number that must be finite is not.
     #[error("link \"{link}\": {field} is {value}, which is not a finite number")]
     NotFinite {
@@ -142,10 +164,13 @@ impl Mechanism {
                 placement::link(&description.links[in_file], in_file, antecedent)
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let mechanism = Self {
+        let closure = Closure::of(description, &order)?;
+        let mut mechanism = Self {
             name: description.name.clone(),
             gravity,
             links,
+            closure,
+            assembly: None,
             description: Arc::new(description.clone()),
             cleaning: None,
         };
@@ -154,10 +179,13 @@ impl Mechanism {
                 robot: mechanism.name,
             });
         }
+        if !description.loops.is_empty() {
+            mechanism.close_loops(&antecedents)?;
+        }
         Ok(mechanism)
     }
 
-    /// Number of joint variables n (fixed joints have none).
+    /// Number of joint variables n of the tree (fixed joints have none).
     #[must_use]
     pub fn dof(&self) -> usize {
         self.moving().count()
@@ -166,6 +194,31 @@ impl Mechanism {
     /// The links with a joint variable, in the order of the variables.
     pub fn moving(&self) -> impl Iterator<Item = &Link> {
         self.links.iter().filter(|l| l.joint != JointKind::Fixed)
+    }
+
+    /// Number of independent joint variables m: those that determine all n.
+    #[must_use]
+    pub fn independent(&self) -> usize {
+        let all = |c: &Closure| c.independent.len();
+        self.closure.as_ref().map_or_else(|| self.dof(), all)
+    }
+
+    /// The links whose joints are independent, in the order of the states and torques.
+    #[must_use]
+    pub fn independent_joints(&self) -> Vec<&Link> {
+        let moving: Vec<&Link> = self.moving().collect();
+        match &self.closure {
+            None => moving,
+            Some(closure) => closure.independent.iter().map(|&v| moving[v]).collect(),
+        }
+    }
+
+    /// What the description's couples say, of a mechanism with loops or without.
+    #[must_use]
+    pub fn couples(&self) -> Option<Closure> {
+        let order: Vec<usize> = self.links.iter().map(|l| l.in_file).collect();
+        // A mechanism's couples have been found to be valid.
+        Closure::of(&self.description, &order).unwrap_or_default()
     }
 
     /// The standard parameters as columns.

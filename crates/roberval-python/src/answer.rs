@@ -2,7 +2,7 @@
 
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
-use roberval_base::{self as base, BaseParameters, Blame, ExactNumber};
+use roberval_base::{self as base, BaseParameters, Blame, ExactNumber, Witness};
 
 use roberval_tables as tables;
 
@@ -10,6 +10,7 @@ use crate::calls::detached;
 use crate::options::rendering;
 use crate::scaling::matrix;
 use crate::states::vector;
+use crate::symbols::{CodeRow, Symbolic, code};
 
 /// The base parameters of a robot, immutable. Columns are numbers into the robot's labels.
 #[pyclass(frozen, module = "roberval._core")]
@@ -95,13 +96,23 @@ impl Answer {
         Some((s.rank, s.primes, s.seeds, s.failure_probability, s.generic))
     }
 
-    /// Engine, rank, gap and gap at the structural rank of each float engine.
+    /// Engine, rank, gap, gap at the structural rank, spectrum and tolerance of each float
+    /// engine.
     #[getter]
-    fn witnesses(&self) -> Vec<(&'static str, usize, Option<f64>, Option<f64>)> {
-        let witnesses = self.answer.diagnosis.witnesses.iter();
-        witnesses
-            .map(|w| (w.engine.name(), w.rank, w.gap, w.gap_at_structural))
-            .collect()
+    fn witnesses(&self) -> Vec<WitnessRow> {
+        let row = |w: &Witness| {
+            let spectrum = w.spectrum.clone();
+            let gaps = (w.gap, w.gap_at_structural);
+            (
+                w.engine.name(),
+                w.rank,
+                gaps.0,
+                gaps.1,
+                spectrum,
+                w.tolerance,
+            )
+        };
+        self.answer.diagnosis.witnesses.iter().map(row).collect()
     }
 
     /// What the file as written gives: rank, numbers to blame, near misses.
@@ -161,6 +172,28 @@ impl Answer {
         Ok(tables::base(&self.answer, format))
     }
 
+    /// The report: one HTML page.
+    fn report(&self, py: Python<'_>) -> String {
+        py.detach(|| tables::report(&self.answer))
+    }
+
+    /// The relations in symbols; all lengths get names, or only where none has.
+    fn symbolic(&self, py: Python<'_>, all: bool) -> PyResult<Symbolic> {
+        Symbolic::of(py, &self.answer, all)
+    }
+
+    /// Generated code: text, function, parameters, shape, operations a state and once.
+    fn code(
+        &self,
+        py: Python<'_>,
+        language: &str,
+        what: &str,
+        standard: bool,
+        friction: bool,
+    ) -> PyResult<CodeRow> {
+        code(py, &self.answer, (language, what), standard, friction)
+    }
+
     /// XR1 = X1 + beta (X2 - XR2).
     fn regrouped_values<'py>(
         &self,
@@ -185,6 +218,7 @@ impl Answer {
     }
 }
 
+type WitnessRow = (&'static str, usize, Option<f64>, Option<f64>, Vec<f64>, f64);
 type StructureRow = (usize, Vec<u64>, Vec<u64>, f64, Vec<String>);
 type LiteralRow = (usize, Vec<(String, usize)>, Vec<(String, usize)>);
 

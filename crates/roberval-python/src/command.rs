@@ -11,6 +11,11 @@ pub fn run_cli(py: Python<'_>, arguments: Vec<OsString>) -> i32 {
     let arguments = [OsString::from("roberval")].into_iter().chain(arguments);
     py.detach(|| {
         let (mut out, mut err) = (std::io::stdout().lock(), std::io::stderr());
-        roberval_cli::run(arguments, &mut out, &mut err)
+        roberval_cli::run(
+            arguments,
+            &mut out,
+            &mut err,
+            roberval_cli::Look::of_terminal(),
+        )
     })
 }

@@ -6,6 +6,7 @@ use roberval_base::BaseError;
 use roberval_formats::FormatError;
 use roberval_mechanism::MechanismError;
 use roberval_regressor::RegressorError;
+use roberval_symbolic::SymbolicError;
 
 /// An error that knows its Python class, one of `roberval.errors`.
 pub trait IntoPython {
@@ -46,11 +47,21 @@ impl IntoPython for MechanismError {
     }
 }
 
+impl IntoPython for SymbolicError {
+    fn into_python(self, py: Python<'_>) -> PyErr {
+        let class = match self {
+            Self::NotVerified { .. } => "InternalError",
+            _ => "RobotError",
+        };
+        raise(py, class, &self.to_string())
+    }
+}
+
 impl IntoPython for RegressorError {
     fn into_python(self, py: Python<'_>) -> PyErr {
         let class = match self {
             Self::Length { .. } => "ShapeError",
-            Self::NotFinite { .. } => "ArrayError",
+            Self::NotFinite { .. } | Self::NoValue { .. } => "ArrayError",
         };
         raise(py, class, &self.to_string())
     }
@@ -62,9 +73,11 @@ impl IntoPython for BaseError {
             Self::Regressor(error) => return error.into_python(py),
             Self::Mechanism(error) => return error.into_python(py),
             Self::UnknownParameter { .. } => "UnknownParameterError",
-            Self::KeptAndDropped { .. } | Self::TooFewRows { .. } | Self::TooManyRows { .. } => {
-                "OptionError"
-            }
+            Self::KeptAndDropped { .. }
+            | Self::TooFewRows { .. }
+            | Self::TooManyRows { .. }
+            | Self::LoopsNotScaled => "OptionError",
+            Self::Samples(_) => "RobotError",
             Self::Length { .. } => "ShapeError",
             Self::Stopped { .. } | Self::Exact(_) | Self::Linalg(_) => "NumericalError",
         };

@@ -6,11 +6,13 @@
 mod answer;
 mod calls;
 mod command;
+mod conventions;
 mod errors;
 mod options;
 mod robot;
 mod scaling;
 mod states;
+mod symbols;
 
 use pyo3::prelude::*;
 
@@ -21,6 +23,10 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<answer::Answer>()?;
     module.add_class::<answer::Comparison>()?;
     module.add_class::<scaling::Scaling>()?;
+    module.add_class::<symbols::Symbolic>()?;
     module.add_function(wrap_pyfunction!(robot::catalogue, module)?)?;
+    module.add_function(wrap_pyfunction!(conventions::lint, module)?)?;
+    module.add_function(wrap_pyfunction!(conventions::conventions, module)?)?;
+    module.add_function(wrap_pyfunction!(conventions::convert, module)?)?;
     module.add_function(wrap_pyfunction!(command::run_cli, module)?)
 }

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use numpy::{PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use roberval_base::{base_parameters, base_parameters_at, compare};
-use roberval_formats::{FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml};
+use roberval_formats::{
+    FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml, to_urdf,
+};
 use roberval_mechanism::{JointKind, Mechanism, RobotDescription, SourceFormat};
 use roberval_regressor::Regressor;
 use roberval_tables as tables;
@@ -47,7 +49,7 @@ impl Robot {
         };
         let description = detached(py, || load_with(path_or_name, options))?;
         let urdf = match description.format {
-            SourceFormat::Mdh => None,
+            SourceFormat::Mdh | SourceFormat::Placed => None,
             SourceFormat::Urdf => Some(std::fs::read_to_string(path_or_name)?),
         };
         Self::of(py, description, urdf, &reading)
@@ -90,6 +92,11 @@ impl Robot {
             self.written()
         };
         to_toml(description).map_err(|error| error.into_python(py))
+    }
+
+    /// The robot as a URDF.
+    fn to_urdf(&self, py: Python<'_>) -> PyResult<String> {
+        to_urdf(&self.mechanism).map_err(|error| error.into_python(py))
     }
 
     /// Format, text and name, from which the robot can be read again.
@@ -146,6 +153,11 @@ impl Robot {
     }
 
     #[getter]
+    fn independent(&self) -> usize {
+        self.regressor.independent()
+    }
+
+    #[getter]
     fn dof(&self) -> usize {
         self.regressor.dof()
     }
@@ -169,6 +181,19 @@ impl Robot {
                     link.active,
                     link.rotor,
                 )
+            })
+            .collect()
+    }
+
+    /// Of each link: rotation (rows) and origin on its antecedent at joint variable 0, and
+    /// the joint's axis in the link's frame.
+    #[getter]
+    fn placements(&self) -> Vec<([[f64; 3]; 3], [f64; 3], [f64; 3])> {
+        let links = self.mechanism.links.iter();
+        links
+            .map(|l| {
+                let rows = l.rotation.transpose().into();
+                (rows, l.origin.into(), l.axis.into())
             })
             .collect()
     }
@@ -212,7 +237,7 @@ impl Robot {
         let width = columns
             .as_ref()
             .map_or(self.regressor.parameters().len(), Vec::len);
-        let size = model.rows(self.regressor.dof()) * width;
+        let size = model.rows(self.regressor.independent()) * width;
         states.fill_blocks(py, size, out, |states, out| match &columns {
             None => self.regressor.fill(model, states, out),
             Some(columns) => self.regressor.fill_columns(model, columns, states, out),
@@ -232,7 +257,7 @@ impl Robot {
         let x = vector(&x)?;
         let states = OwnedStates::copy(&q, &qd, &qdd)?;
         drop((q, qd, qdd));
-        states.fill_blocks(py, self.regressor.dof(), out, |states, out| {
+        states.fill_blocks(py, self.regressor.independent(), out, |states, out| {
             self.regressor.torques(&x, states, out)
         })
     }

@@ -59,7 +59,7 @@ pub fn search(
     match signal {
         Some(error) => Err(error),
         None => Ok(Scaling {
-            dof: mechanism.dof(),
+            dof: mechanism.independent(),
             scaling: result?,
         }),
     }

@@ -39,6 +39,7 @@ impl OwnedStates {
     /// The states as samples for an analysis.
     pub fn into_samples(self) -> Samples {
         Samples {
+            redrawn: 0,
             count: self.q.len() / self.dof.max(1),
             q: self.q,
             qd: self.qd,

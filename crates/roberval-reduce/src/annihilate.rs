@@ -42,22 +42,22 @@ fn eliminate<V: Lanes, const K: usize>(
     let start = first + K * rows;
     let mut column = panel.first + K;
     let end = segment.columns.len();
-    if V::REGISTERS >= 32 {
-        while column + 4 <= end && panel.touches(segment, column + 3) {
-            apply::<V, K, 4>(segment, panel, column, &t, v, r, later, start);
-            column += 4;
-        }
-    } else {
-        while column + 2 <= end && panel.touches(segment, column + 1) {
-            apply::<V, K, 2>(segment, panel, column, &t, v, r, later, start);
-            column += 2;
-        }
-    }
     while column < end {
-        if panel.touches(segment, column) {
-            apply::<V, K, 1>(segment, panel, column, &t, v, r, later, start);
+        let wide = if V::REGISTERS >= 32 { 4 } else { 2 };
+        let fits = column + wide <= end
+            && (column..column + wide).all(|column| panel.touches(segment, column));
+        if fits && V::REGISTERS >= 32 {
+            apply::<V, K, 4>(segment, panel, column, &t, v, r, later, start);
+            column += wide;
+        } else if fits {
+            apply::<V, K, 2>(segment, panel, column, &t, v, r, later, start);
+            column += wide;
+        } else {
+            if panel.touches(segment, column) {
+                apply::<V, K, 1>(segment, panel, column, &t, v, r, later, start);
+            }
+            column += 1;
         }
-        column += 1;
     }
 }
 
@@ -134,14 +134,15 @@ fn apply<V: Lanes, const K: usize, const C: usize>(
     start: usize,
 ) {
     let (rows, zero) = (panel.rows, V::lift(0.0));
-    let mut x: [&mut [V]; C] = [const { &mut [] }; C];
-    let mut rest = &mut later[segment.columns[column].offset - start..];
-    for (c, x) in x.iter_mut().enumerate() {
+    let mut places = [const { 0..0 }; C];
+    for (c, place) in places.iter_mut().enumerate() {
         let shape = &segment.columns[column + c];
-        let (own, others) = std::mem::take(&mut rest).split_at_mut(shape.rows);
-        rest = others;
-        *x = &mut own[panel.begin - shape.begin..][..rows];
+        let begin = shape.offset - start + panel.begin - shape.begin;
+        *place = begin..begin + rows;
     }
+    let Ok(x) = later.get_disjoint_mut(places) else {
+        return; // columns do not overlap
+    };
     let mut v_of: [&[V]; K] = [&[]; K];
     for (k, slot) in v_of.iter_mut().enumerate() {
         *slot = &v[k * rows..][..rows];

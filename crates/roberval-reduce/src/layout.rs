@@ -119,7 +119,20 @@ impl Layout {
     /// The layout of columns with entries on the rows listed, `groups` lane vectors a row.
     /// The last column is the right-hand side, which every row has.
     pub(crate) fn new(dof: usize, columns: &[Vec<usize>], groups: usize) -> Self {
-        let chains = chains(dof, columns);
+        let parents = parents(dof, columns);
+        let (left, _) = columns.split_at(columns.len() - 1);
+        if !left
+            .iter()
+            .all(|rows| rows.len() < 2 || is_path(rows, &parents))
+        {
+            // Rows of another structure, as constraints make them: all are full.
+            let full = (0..columns.len()).map(|id| (id, 0, dof * groups));
+            return Self {
+                segments: vec![Segment::new(full)],
+                rows: vec![(0..dof).collect()],
+            };
+        }
+        let chains = chains(dof, &parents);
         let segments = chains
             .iter()
             .map(|chain| Segment::new(shapes(chain, columns, groups)))
@@ -129,6 +142,14 @@ impl Layout {
             rows: chains,
         }
     }
+}
+
+/// Whether the rows are those from the base to the last of them.
+fn is_path(rows: &[usize], parents: &[Option<usize>]) -> bool {
+    parents[rows[0]].is_none()
+        && rows
+            .windows(2)
+            .all(|pair| parents[pair[1]] == Some(pair[0]))
 }
 
 /// The columns of a chain's segment: those of one row alone, then by their last row, then
@@ -165,10 +186,8 @@ fn shapes(
     })
 }
 
-/// Cuts the rows into chains: a row follows another if exactly the columns of the one are
-/// also the other's, apart from those that end there.
-fn chains(dof: usize, columns: &[Vec<usize>]) -> Vec<Vec<usize>> {
-    let parents = parents(dof, columns);
+/// Cuts the rows into chains: a row goes on with the one before it unless others do too.
+fn chains(dof: usize, parents: &[Option<usize>]) -> Vec<Vec<usize>> {
     let mut chains: Vec<Vec<usize>> = Vec::new();
     for row in 0..dof {
         let only = |parent: usize| parents.iter().filter(|p| **p == Some(parent)).count() == 1;

@@ -5,8 +5,8 @@ use crate::lanes::{BadTile, FillPacked, FillRows, FillTorques, Pool};
 use crate::packed::Export;
 use crate::sink::SelectedRows;
 use crate::{
-    DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion, PackedLayout, Sink, Torques, Tree,
-    dynamics, energy,
+    DenseRows, DynamicsWorkspace, EnergyWorkspace, Expansion, JointMotion, JointStates, NoValue,
+    PackedLayout, Projected, Sink, Torques, Transmission, Tree, dynamics, energy,
 };
 
 /// The three models, each linear in the parameters X.
@@ -35,11 +35,11 @@ impl Model {
         }
     }
 
-    /// Rows a sample gives, for n joints.
+    /// Rows a sample gives, for m independent joints (all n without constraints).
     #[must_use]
-    pub fn rows(self, dof: usize) -> usize {
+    pub fn rows(self, independent: usize) -> usize {
         match self {
-            Self::D | Self::D0 => dof,
+            Self::D | Self::D0 => independent,
             Self::H => 1,
         }
     }
@@ -72,16 +72,26 @@ pub enum RegressorError {
         /// What was found.
         value: f64,
     },
+    /// The constraints have no value at a state.
+    #[error("sample {sample}: {error}")]
+    NoValue {
+        /// Row, from 0.
+        sample: usize,
+        /// What has no value.
+        error: NoValue,
+    },
 }
 
 /// The regressor of a mechanism over float samples.
 ///
-/// States are row-major: `q`, `qd`, `qdd` hold N x n numbers (rad or m, per s, per s^2),
-/// n being the moving joints in link order. Rows come as (N, n, C) for d and d0, (N, C)
-/// for h, in C order, so that a reshape gives W.
+/// States are row-major: `q`, `qd`, `qdd` hold N x m numbers (rad or m, per s, per s^2),
+/// m being the independent joints in link order: all n moving joints, unless couples make
+/// some depend on others. Rows come as (N, m, C) for d (there G' d) and d0, (N, C) for h,
+/// in C order, so that a reshape gives W.
 #[derive(Debug, Clone)]
 pub struct Regressor {
     tree: Tree<f64>,
+    expansion: Option<Expansion<f64>>,
     space: ParameterSpace,
     width: Width,
     /// The nonzeros of d and of h, and all columns from them.
@@ -106,6 +116,7 @@ impl Regressor {
         });
         Self {
             tree,
+            expansion: Expansion::in_floats(mechanism),
             space,
             width: Width::best(),
             layouts,
@@ -166,6 +177,24 @@ impl Regressor {
         dispatch(self.width, task).map_err(|bad| states.fault(bad, self.dof()))
     }
 
+    /// The robot's constants, if its rows are those of all joints: then the recursion over
+    /// lanes gives them.
+    #[must_use]
+    pub fn unconstrained(&self) -> Option<&Tree<f64>> {
+        self.expansion.is_none().then_some(&self.tree)
+    }
+
+    /// The lanes of batches.
+    #[must_use]
+    pub fn width(&self) -> Width {
+        self.width
+    }
+
+    /// Whether batches go by lanes: where joints depend on others G comes with every sample.
+    fn in_lanes(&self) -> bool {
+        self.width > Width::Plain && self.expansion.is_none()
+    }
+
     /// The lanes for so many samples: one lane for one.
     fn width_for(&self, samples: usize) -> Width {
         match samples {
@@ -196,10 +225,17 @@ impl Regressor {
         dispatch(self.width_for(samples), task).map_err(|bad| states.fault(bad, self.dof()))
     }
 
-    /// Number of joint variables n.
+    /// Number of joint variables n of the tree.
     #[must_use]
     pub fn dof(&self) -> usize {
         self.tree.dof
+    }
+
+    /// Number of independent joint variables m: the states' and the rows'.
+    #[must_use]
+    pub fn independent(&self) -> usize {
+        let constrained = self.expansion.as_ref().map(Expansion::independent);
+        constrained.unwrap_or(self.tree.dof)
     }
 
     /// The parameters in column order.
@@ -219,20 +255,20 @@ impl Regressor {
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
         let width = self.space.len();
-        if self.width > Width::Plain {
+        if self.in_lanes() {
             let samples = states.count(self.dof())?;
             check_out(model, samples, self.dof(), width, out.len())?;
             let export = &self.exports[family(model)];
             return self.export(model, states, samples, export, out);
         }
-        let samples = states.check(self.dof())?;
-        check_out(model, samples, self.dof(), width, out.len())?;
-        let mut motion = Vec::new();
+        let samples = states.check(self.independent())?;
+        check_out(model, samples, self.independent(), width, out.len())?;
+        let mut motions = self.motions(model, states);
         let mut rows = Rows::new(&self.tree, &self.space, None);
-        let size = model.rows(self.dof()) * width;
+        let size = model.rows(self.independent()) * width;
         for (sample, out) in out.chunks_exact_mut(size.max(1)).enumerate() {
-            states.motion(&self.tree, model, sample, &mut motion);
-            rows.write(model, &motion, out);
+            let (motion, transmission) = motions.at(sample)?;
+            rows.write(model, motion, transmission, out);
         }
         Ok(())
     }
@@ -249,7 +285,7 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        if self.width > Width::Plain {
+        if self.in_lanes() {
             let samples = states.count(self.dof())?;
             check_out(model, samples, self.dof(), columns.len(), out.len())?;
             let layout = &self.layouts[family(model)];
@@ -258,14 +294,14 @@ impl Regressor {
             let export = Export::new(layout, model.rows(self.dof()), columns.len(), place);
             return self.export(model, states, samples, &export, out);
         }
-        let samples = states.check(self.dof())?;
-        check_out(model, samples, self.dof(), columns.len(), out.len())?;
-        let mut motion = Vec::new();
+        let samples = states.check(self.independent())?;
+        check_out(model, samples, self.independent(), columns.len(), out.len())?;
+        let mut motions = self.motions(model, states);
         let mut rows = Rows::new(&self.tree, &self.space, Some(columns));
-        let size = model.rows(self.dof()) * columns.len();
+        let size = model.rows(self.independent()) * columns.len();
         for (sample, out) in out.chunks_exact_mut(size.max(1)).enumerate() {
-            states.motion(&self.tree, model, sample, &mut motion);
-            rows.write(model, &motion, out);
+            let (motion, transmission) = motions.at(sample)?;
+            rows.write(model, motion, transmission, out);
         }
         Ok(())
     }
@@ -281,19 +317,21 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(self.dof())?;
+        let samples = states.check(self.independent())?;
         let width = self.space.len();
-        check_out(model, samples, self.dof(), width, out.len())?;
+        check_out(model, samples, self.independent(), width, out.len())?;
         let tree = self.tree.magnitude();
-        let (mut motion, mut sizes) = (Vec::new(), Vec::new());
+        let mut motions = self.motions(model, states);
+        let mut sizes = Vec::new();
         let mut rows = Rows::new(&tree, &self.space, None);
-        let size = model.rows(self.dof()) * width;
+        let size = model.rows(self.independent()) * width;
         let mut magnitudes = vec![Magnitude::default(); size];
         for (sample, out) in out.chunks_exact_mut(size.max(1)).enumerate() {
-            states.motion(&self.tree, model, sample, &mut motion);
+            let (motion, transmission) = motions.at(sample)?;
             sizes.clear();
             sizes.extend(motion.iter().map(JointMotion::magnitude));
-            rows.write(model, &sizes, &mut magnitudes);
+            let transmission = transmission.map(|g| g.map(Magnitude::of));
+            rows.write(model, &sizes, transmission.as_ref(), &mut magnitudes);
             for (out, magnitude) in out.iter_mut().zip(&magnitudes) {
                 *out = magnitude.value();
             }
@@ -311,10 +349,10 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.count(self.dof())?;
+        let samples = states.count(self.independent())?;
         check_length("x", self.space.len(), x.len(), "one number a parameter")?;
-        check_out(Model::D, samples, self.dof(), 1, out.len())?;
-        if self.width > Width::Plain {
+        check_out(Model::D, samples, self.independent(), 1, out.len())?;
+        if self.in_lanes() {
             let task = FillTorques {
                 pool: &self.pool,
                 tree: &self.tree,
@@ -326,20 +364,42 @@ impl Regressor {
             return dispatch(self.width_for(samples), task)
                 .map_err(|b| states.fault(b, self.dof()));
         }
-        states.check(self.dof())?;
-        let mut motion = Vec::new();
+        states.check(self.independent())?;
+        let mut motions = self.motions(Model::D, states);
         let mut workspace = DynamicsWorkspace::new(&self.tree);
-        for (sample, torques) in out.chunks_exact_mut(self.dof()).enumerate() {
+        for (sample, torques) in out.chunks_exact_mut(self.independent()).enumerate() {
             torques.fill(0.0);
-            states.motion(&self.tree, Model::D, sample, &mut motion);
+            let (motion, transmission) = motions.at(sample)?;
             let mut sink = Torques {
                 space: &self.space,
                 x,
                 torques,
             };
-            dynamics(&self.tree, &motion, &mut workspace, &mut sink);
+            match transmission {
+                None => dynamics(&self.tree, motion, &mut workspace, &mut sink),
+                Some(transmission) => {
+                    let inner = &mut sink;
+                    let mut sink = Projected {
+                        transmission,
+                        inner,
+                    };
+                    dynamics(&self.tree, motion, &mut workspace, &mut sink);
+                }
+            }
         }
         Ok(())
+    }
+
+    fn motions<'a>(&'a self, model: Model, states: States<'a>) -> Motions<'a> {
+        Motions {
+            tree: &self.tree,
+            expansion: self.expansion.as_ref(),
+            expanded: self.expansion.as_ref().map(Expansion::states),
+            still: vec![0.0; self.independent()],
+            rest: model == Model::D0,
+            states,
+            motion: Vec::new(),
+        }
     }
 }
 
@@ -402,25 +462,54 @@ impl States<'_> {
         }
         Ok(samples)
     }
+}
 
-    /// How the joints move in one sample, into a vector that is used again.
-    fn motion(
-        &self,
-        tree: &Tree<f64>,
-        model: Model,
-        sample: usize,
-        motion: &mut Vec<JointMotion<f64>>,
-    ) {
-        motion.clear();
-        motion.extend(tree.bodies.iter().map(|body| {
-            let at = sample * tree.dof + body.variable.unwrap_or(0);
-            let qd = if model == Model::D0 { 0.0 } else { self.qd[at] };
+/// How all joints move, sample by sample.
+struct Motions<'a> {
+    tree: &'a Tree<f64>,
+    expansion: Option<&'a Expansion<f64>>,
+    expanded: Option<JointStates<f64>>,
+    /// m zeros.
+    still: Vec<f64>,
+    /// Whether velocities count as zero (d0).
+    rest: bool,
+    states: States<'a>,
+    motion: Vec<JointMotion<f64>>,
+}
+
+/// The motion of each body, and G of a mechanism with constraints.
+type Moving<'a> = (&'a [JointMotion<f64>], Option<&'a Transmission<f64>>);
+
+impl Motions<'_> {
+    fn at(&mut self, sample: usize) -> Result<Moving<'_>, RegressorError> {
+        let m = self.still.len();
+        let span = sample * m..(sample + 1) * m;
+        let q = &self.states.q[span.clone()];
+        let qdd = &self.states.qdd[span.clone()];
+        let qd = if self.rest {
+            &self.still[..]
+        } else {
+            &self.states.qd[span]
+        };
+        let state = match (self.expansion, &mut self.expanded) {
+            (Some(expansion), Some(expanded)) => {
+                expansion
+                    .expand([q, qd, qdd], expanded)
+                    .map_err(|error| RegressorError::NoValue { sample, error })?;
+                [&expanded.q[..], &expanded.qd, &expanded.qdd]
+            }
+            _ => [q, qd, qdd],
+        };
+        self.motion.clear();
+        self.motion.extend(self.tree.bodies.iter().map(|body| {
+            let [q, qd, qdd] = state.map(|x| body.variable.map_or(0.0, |at| x[at]));
             match body.joint {
-                JointKind::Revolute => JointMotion::revolute(self.q[at], qd, self.qdd[at]),
-                JointKind::Prismatic => JointMotion::prismatic(self.q[at], qd, self.qdd[at]),
-                JointKind::Fixed => JointMotion::prismatic(0.0, 0.0, 0.0),
+                JointKind::Revolute => JointMotion::revolute(q, qd, qdd),
+                JointKind::Prismatic | JointKind::Fixed => JointMotion::prismatic(q, qd, qdd),
             }
         }));
+        let transmission = self.expanded.as_ref().map(|e| &e.transmission);
+        Ok((&self.motion, transmission))
     }
 }
 
@@ -446,11 +535,18 @@ impl<'a, T: Scalar> Rows<'a, T> {
         }
     }
 
-    fn write(&mut self, model: Model, motion: &[JointMotion<T>], rows: &mut [T]) {
+    /// The rows at a motion: of all joints, or with G of the independent ones.
+    fn write(
+        &mut self,
+        model: Model,
+        motion: &[JointMotion<T>],
+        transmission: Option<&Transmission<T>>,
+        rows: &mut [T],
+    ) {
         rows.fill(self.tree.constants.zero);
         let space = self.space;
         match self.choice.take() {
-            None => self.run(model, motion, &mut DenseRows { space, rows }),
+            None => self.run(model, motion, transmission, &mut DenseRows { space, rows }),
             Some((places, width)) => {
                 let mut sink = SelectedRows {
                     space,
@@ -458,16 +554,29 @@ impl<'a, T: Scalar> Rows<'a, T> {
                     width,
                     rows,
                 };
-                self.run(model, motion, &mut sink);
+                self.run(model, motion, transmission, &mut sink);
                 self.choice = Some((places, width));
             }
         }
     }
 
-    fn run(&mut self, model: Model, motion: &[JointMotion<T>], sink: &mut impl Sink<T>) {
-        match model {
-            Model::D | Model::D0 => dynamics(self.tree, motion, &mut self.dynamics, sink),
-            Model::H => energy(self.tree, motion, &mut self.energy, sink),
+    fn run(
+        &mut self,
+        model: Model,
+        motion: &[JointMotion<T>],
+        transmission: Option<&Transmission<T>>,
+        sink: &mut impl Sink<T>,
+    ) {
+        match (model, transmission) {
+            (Model::H, _) => energy(self.tree, motion, &mut self.energy, sink),
+            (_, None) => dynamics(self.tree, motion, &mut self.dynamics, sink),
+            (_, Some(transmission)) => {
+                let mut sink = Projected {
+                    transmission,
+                    inner: sink,
+                };
+                dynamics(self.tree, motion, &mut self.dynamics, &mut sink);
+            }
         }
     }
 }

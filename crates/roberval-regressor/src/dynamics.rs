@@ -7,15 +7,15 @@ use crate::{Body, JointMotion, Sink, Tree};
 
 /// How a body moves, in its own frame.
 #[derive(Debug, Clone, Copy)]
-struct BodyState<T> {
+pub(crate) struct BodyState<T> {
     /// Angular velocity.
-    w: Vec3<T>,
+    pub w: Vec3<T>,
     /// Angular acceleration.
-    dw: Vec3<T>,
+    pub dw: Vec3<T>,
     /// Acceleration of the frame's origin; gravity enters as that of the base, -g.
-    a: Vec3<T>,
+    pub a: Vec3<T>,
     /// U = `[dw]x + [w]x [w]x`: a point fixed at p in the frame accelerates by a + U p.
-    u: Mat3<T>,
+    pub u: Mat3<T>,
 }
 
 /// A unit velocity of one joint, as a body on its way to the tip feels it.
@@ -213,6 +213,18 @@ fn forward<C: Copy, T: Lift<C>>(
     frame.give(w, &mut state.w);
     frame.give(dw, &mut state.dw);
     frame.give(a, &mut state.a);
+}
+
+/// U = `[dw]x + [w]x [w]x`.
+#[inline(always)]
+pub(crate) fn acceleration_field<T: Scalar>(w: Vec3<T>, dw: Vec3<T>) -> Mat3<T> {
+    let (xx, yy, zz) = (w[0] * w[0], w[1] * w[1], w[2] * w[2]);
+    let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
+    [
+        [-(yy + zz), xy - dw[2], xz + dw[1]],
+        [xy + dw[2], -(xx + zz), yz - dw[0]],
+        [xz - dw[1], yz + dw[0], -(xx + yy)],
+    ]
 }
 
 /// The inertia forces of a body, parameter by parameter: the force of a unit first moment

@@ -2,8 +2,11 @@
 //!
 //! * [`Tree`]: the robot's constants in the recursion's scalar.
 //! * [`dynamics`]: the rows of the dynamic model d (and of d0, at rest).
+//! * [`newton_euler`]: the torques themselves, with the forces carried inward.
 //! * [`energy`]: the row of the energy model h.
 //! * [`Sink`]: where the columns go: dense rows, torques, selected columns.
+//! * [`Expansion`]: the state of all joints from that of the independent ones, and G;
+//!   [`Projected`]: rows for the independent ones.
 //! * [`Regressor`]: all of it for floats, over many samples and as many lanes of them as
 //!   the processor has; [`PackedLayout`]: the nonzeros alone.
 
@@ -11,21 +14,32 @@ mod batch;
 mod dynamics;
 mod energy;
 mod exact;
+mod expansion;
 mod frame;
 mod lanes;
+mod loops;
 mod motion;
+mod newton_euler;
 mod packed;
 mod sink;
 mod tile;
+mod transmission;
 mod tree;
 mod vector;
 
 pub use batch::{Model, Regressor, RegressorError, States};
 pub use dynamics::{DynamicsWorkspace, dynamics};
 pub use energy::{EnergyWorkspace, energy};
-pub use exact::{AngleOrder, ExactModel, ExactWorkspace, NotInField, PreciseModel, RowsWorkspace};
+pub use exact::{
+    AngleOrder, AngleParts, AngleUnit, AngleUnits, CouplePowers, ExactModel, ExactWorkspace,
+    NotInField, PreciseModel, RowsWorkspace, Turn, coupled, whole_multiple,
+};
+pub use expansion::{Expansion, JointStates, NoValue};
 pub use frame::{Aligned, Layout};
 pub use motion::JointMotion;
+pub use newton_euler::{Shape, newton_euler};
 pub use packed::PackedLayout;
 pub use sink::{DenseRows, SelectedRows, Sink, Torques};
+pub use tile::Tile;
+pub use transmission::{Projected, Transmission};
 pub use tree::{Body, Constants, Tree};

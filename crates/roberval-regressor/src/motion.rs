@@ -1,5 +1,7 @@
 use roberval_scalar::{Magnitude, Scalar};
 
+use roberval_scalar::vector::rotation_about;
+
 use crate::vector::{Mat3, Vec3};
 
 /// Where a joint is and how it moves, as the recursion takes it: trigonometry is done
@@ -66,31 +68,6 @@ impl<T: Scalar> JointMotion<T> {
     /// Rodrigues' rotation about `axis`: `cos I + sin [a]x + versine a a'`.
     #[inline(always)]
     pub(crate) fn rotation(&self, a: Vec3<T>) -> Mat3<T> {
-        let (c, s) = (
-            self.cos,
-            [self.sin * a[0], self.sin * a[1], self.sin * a[2]],
-        );
-        let v = [
-            self.versine * a[0],
-            self.versine * a[1],
-            self.versine * a[2],
-        ];
-        [
-            [
-                v[0].mul_add(a[0], c),
-                v[0] * a[1] - s[2],
-                v[0].mul_add(a[2], s[1]),
-            ],
-            [
-                v[1].mul_add(a[0], s[2]),
-                v[1].mul_add(a[1], c),
-                v[1] * a[2] - s[0],
-            ],
-            [
-                v[2] * a[0] - s[1],
-                v[2].mul_add(a[1], s[0]),
-                v[2].mul_add(a[2], c),
-            ],
-        ]
+        rotation_about(a, self.cos, self.sin, self.versine)
     }
 }

@@ -1,7 +1,7 @@
 use roberval_mechanism::ParameterSpace;
 use roberval_scalar::{Lift, Scalar};
 
-/// Where the recursion's columns go.
+/// Where the recursion's columns go. Rows are added to what is there: hand in zeros.
 pub trait Sink<T> {
     /// The ten inertial columns XX..M of a link, on the row of one joint of its path.
     fn link(&mut self, link: usize, row: usize, columns: [T; 10]);
@@ -11,7 +11,7 @@ pub trait Sink<T> {
 
 /// Dense rows (n x C, row-major) of all standard parameters.
 ///
-/// Entries off a link's path are structural zeros and are not written: hand in zeros.
+/// Entries off a link's path are structural zeros and are not touched.
 #[derive(Debug)]
 pub struct DenseRows<'a, T> {
     /// Where each link's columns begin.
@@ -24,13 +24,15 @@ impl<T: Scalar> Sink<T> for DenseRows<'_, T> {
     #[inline(always)]
     fn link(&mut self, link: usize, row: usize, columns: [T; 10]) {
         let at = row * self.space.len() + self.space.first_column(link);
-        self.rows[at..at + 10].copy_from_slice(&columns);
+        for (entry, value) in self.rows[at..at + 10].iter_mut().zip(columns) {
+            *entry = *entry + value;
+        }
     }
 
     #[inline(always)]
     fn rotor(&mut self, link: usize, row: usize, value: T) {
         let at = row * self.space.len() + self.space.first_column(link) + 10;
-        self.rows[at] = value;
+        self.rows[at] = self.rows[at] + value;
     }
 }
 
@@ -54,7 +56,7 @@ impl<T: Scalar> Sink<T> for SelectedRows<'_, T> {
         let row = &mut self.rows[row * self.width..(row + 1) * self.width];
         for (place, value) in self.places[first..first + 10].iter().zip(columns) {
             if let Some(place) = place {
-                row[*place as usize] = value;
+                row[*place as usize] = row[*place as usize] + value;
             }
         }
     }
@@ -62,7 +64,8 @@ impl<T: Scalar> Sink<T> for SelectedRows<'_, T> {
     #[inline(always)]
     fn rotor(&mut self, link: usize, row: usize, value: T) {
         if let Some(place) = self.places[self.space.first_column(link) + 10] {
-            self.rows[row * self.width + place as usize] = value;
+            let entry = &mut self.rows[row * self.width + place as usize];
+            *entry = *entry + value;
         }
     }
 }

@@ -7,19 +7,21 @@ use crate::{Body, JointMotion, Layout, Model, States, Tree};
 
 /// The joint states of one tile of samples, a sample a lane.
 #[derive(Debug)]
-pub(crate) struct Tile<V> {
+pub struct Tile<V> {
     /// q, qd, qdd of every joint variable, and room for whole transposed blocks.
     states: [Vec<V>; 3],
     /// A copy of the last, incomplete tile's numbers.
     padded: Vec<f64>,
-    /// How the bodies move.
+    /// How the bodies move, as the recursion takes it.
     pub motion: Vec<JointMotion<V>>,
     dof: usize,
 }
 
 impl<V: Lanes> Tile<V> {
+    /// Room for a tile of this tree's states.
     #[inline(always)]
-    pub(crate) fn new(tree: &Tree<f64>) -> Self {
+    #[must_use]
+    pub fn new(tree: &Tree<f64>) -> Self {
         let zero = V::lift(0.0);
         let room = tree.dof.next_multiple_of(V::COUNT);
         let still = JointMotion {
@@ -41,7 +43,7 @@ impl<V: Lanes> Tile<V> {
     /// Loads the samples from `first` on, zeros after the last one, and sets the bodies in
     /// motion. Tells whether all states are finite.
     #[inline(always)]
-    pub(crate) fn load(
+    pub fn load(
         &mut self,
         tree: &Tree<f64>,
         model: Model,

@@ -32,6 +32,9 @@ pub trait Lanes: Lift<f64> + Debug + Send + Sync + 'static {
     /// How many floats.
     const COUNT: usize;
 
+    /// How many of them the processor has registers for.
+    const REGISTERS: usize = 16;
+
     /// The first `COUNT` numbers.
     fn load(from: &[f64]) -> Self;
 

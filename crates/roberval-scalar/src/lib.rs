@@ -14,7 +14,9 @@ mod magnitude;
 mod nearest;
 mod primes;
 mod random;
+mod real;
 mod scalar;
+pub mod vector;
 
 pub use double_double::DoubleDouble;
 pub use field::{Fp, Modulus};
@@ -28,4 +30,5 @@ pub use magnitude::Magnitude;
 pub use nearest::nearest_double;
 pub use primes::{is_prime, random_prime};
 pub use random::SplitMix64;
+pub use real::Real;
 pub use scalar::{Lift, Scalar};

@@ -7,6 +7,10 @@ mod parse;
 
 use std::fmt;
 
+use num_bigint::BigInt;
+use num_rational::BigRational;
+
+use crate::nearest_double;
 pub use decimal::Decimal;
 pub use expr::Expr;
 
@@ -106,6 +110,22 @@ impl Quantity {
             text: "0".to_owned(),
             expr: Expr::Number(Decimal::zero()),
             value: 0.0,
+        }
+    }
+
+    /// A fraction, written `n/d` (or as an integer).
+    #[must_use]
+    pub fn from_rational(x: &BigRational) -> Self {
+        let whole = |n: &BigInt| Expr::Number(Decimal::integer(n.clone()));
+        let expr = if x.is_integer() {
+            whole(x.numer())
+        } else {
+            Expr::Div(Box::new(whole(x.numer())), Box::new(whole(x.denom())))
+        };
+        Self {
+            text: x.to_string(),
+            expr,
+            value: nearest_double(x),
         }
     }
 

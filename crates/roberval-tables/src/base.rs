@@ -10,6 +10,9 @@ pub(crate) use json::{diagnosis, json};
 
 use roberval_base::BaseParameters;
 
+use crate::number::without_dust;
+use crate::relation::Label;
+
 /// What became of a standard parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Class {
@@ -62,4 +65,19 @@ pub(crate) fn values(answer: &BaseParameters) -> Option<(Vec<f64>, Vec<f64>)> {
     let x = answer.mechanism.standard_parameters()?;
     let xb = answer.values(&x).ok()?;
     Some((x, xb))
+}
+
+/// For each base parameter its label, X and XB, rounding that stands for zero taken off.
+pub(crate) fn rounded_values(answer: &BaseParameters) -> Option<Vec<(Label, f64, f64)>> {
+    let (x, xb) = values(answer)?;
+    let relations = answer.relations();
+    let rows = relations.iter().zip(&xb).map(|(relation, value)| {
+        let column = relation.base;
+        let terms = relation.terms.iter();
+        let terms = terms.map(|&(c, coefficient)| (coefficient * x[c]).abs());
+        let largest = terms.fold(x[column].abs(), f64::max);
+        let label = Label::of_base(answer, column);
+        (label, x[column], without_dust(*value, largest))
+    });
+    Some(rows.collect())
 }

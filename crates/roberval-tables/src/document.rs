@@ -1,6 +1,7 @@
 //! What is shown, before it is known to whom: a small document without markup.
 
 use crate::relation::{Label, Sum};
+use crate::symbolic::Formula;
 
 /// A piece of a line or a cell.
 #[derive(Debug, Clone)]
@@ -11,6 +12,36 @@ pub(crate) enum Item {
     Number(String),
     /// A parameter.
     Label(Label),
+    /// A sign of ours, coloured where there are colours.
+    Mark(&'static str, Tint),
+}
+
+/// A colour of a terminal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Tint {
+    Title,
+    Heading,
+    Keep,
+    Into,
+    Away,
+    Faint,
+    Bad,
+}
+
+impl Tint {
+    /// The text in this colour.
+    pub fn paint(self, text: &str) -> String {
+        let code = match self {
+            Self::Title => "1",
+            Self::Heading => "1;36",
+            Self::Keep => "32",
+            Self::Into => "94",
+            Self::Away => "33",
+            Self::Faint => "2",
+            Self::Bad => "31",
+        };
+        format!("\x1b[{code}m{text}\x1b[0m")
+    }
 }
 
 impl Item {
@@ -60,6 +91,8 @@ pub(crate) enum Block {
     /// Words, then parameters with commas between them.
     List(String, Vec<Label>),
     Relations(Vec<Sum>),
+    /// Relations in symbols.
+    Formulas(Vec<Formula>),
 }
 
 pub(crate) type Document = Vec<Block>;

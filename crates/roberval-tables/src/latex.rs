@@ -33,6 +33,9 @@ fn block(block: &Block) -> String {
         Block::Relations(relations) => {
             paragraphs(relations.iter().map(|r| format!("${}$", relation(r))))
         }
+        Block::Formulas(formulas) => {
+            paragraphs(formulas.iter().map(|f| format!("${}$", f.latex())))
+        }
     }
 }
 
@@ -70,6 +73,7 @@ fn cell(item: &Item) -> String {
     match item {
         // A bracket at the start of a row would be an argument of the \\ before it.
         Item::Text(text) => format!("{{}}{}", escape::latex(text)),
+        Item::Mark(mark, _) => format!("{{}}{}", escape::latex(mark)),
         Item::Number(number) => format!("${}$", power_of_ten(number)),
         Item::Label(item) => format!("${}$", label(item)),
     }
@@ -88,7 +92,7 @@ fn power_of_ten(number: &str) -> String {
 }
 
 /// `ZZ_{1}`, `ZZ_{R1}`, `ZZ_{R\,\text{left arm}}`.
-fn label(label: &Label) -> String {
+pub(crate) fn label(label: &Label) -> String {
     let link = &label.link;
     let short = link.len() <= 2 && link.chars().all(|c| c.is_ascii_digit());
     let subscript = match (label.regrouped, short) {
@@ -108,13 +112,18 @@ fn relation(sum: &Sum) -> String {
     text
 }
 
+/// Parameters as a sum, in brackets if there are several.
+pub(crate) fn members(members: &[Label]) -> String {
+    let labels: Vec<String> = members.iter().map(label).collect();
+    match &labels[..] {
+        [one] => one.clone(),
+        _ => format!("({})", labels.join(" + ")),
+    }
+}
+
 fn term(group: &Group) -> String {
     let sign = if group.coefficient < 0.0 { '-' } else { '+' };
-    let members: Vec<String> = group.members.iter().map(label).collect();
-    let members = match members.len() {
-        1 => members[0].clone(),
-        _ => format!("({})", members.join(" + ")),
-    };
+    let members = members(&group.members);
     match group.coefficient.abs() {
         1.0 => format!(" {sign} {members}"),
         x => format!(" {sign} {}\\,{members}", power_of_ten(&shortest(x))),

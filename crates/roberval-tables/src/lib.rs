@@ -8,25 +8,36 @@
 mod base;
 mod catalogue;
 mod compare;
+mod counts;
+mod couples;
 mod document;
 mod escape;
 mod json;
 mod latex;
+mod lint;
 mod markdown;
 mod number;
+mod orders;
 mod relation;
+mod report;
 mod robot;
 mod scale;
 mod show;
+mod symbolic;
 mod text;
 
 use std::fmt;
 use std::str::FromStr;
 
 use roberval_base::{BaseParameters, Comparison, Scaling, ScalingOptions};
-use roberval_mechanism::Mechanism;
+use roberval_code::Code;
+use roberval_mechanism::{Convention, Mechanism};
+use roberval_symbolic::SymbolicRelations;
 
 use document::Document;
+
+/// The version of the JSON that [`base`] writes.
+pub(crate) const SCHEMA: u32 = 1;
 
 /// The longest line of a text table, in columns of a terminal.
 pub const WIDTH: usize = 100;
@@ -37,6 +48,8 @@ pub enum Format {
     /// Plain text of at most [`WIDTH`] columns.
     #[default]
     Table,
+    /// The same with colours, for a terminal: no name asks for it.
+    Coloured,
     /// JSON; numbers read back exactly, no NaN or infinity (`null` instead).
     Json,
     /// One table with a header line; cells never start a spreadsheet formula.
@@ -48,7 +61,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// All formats.
+    /// All formats that have a name.
     pub const ALL: [Self; 5] = [
         Self::Table,
         Self::Json,
@@ -61,7 +74,7 @@ impl Format {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Table => "table",
+            Self::Table | Self::Coloured => "table",
             Self::Json => "json",
             Self::Csv => "csv",
             Self::Markdown => "markdown",
@@ -74,7 +87,8 @@ impl Format {
         match self {
             Self::Markdown => markdown::render(document),
             Self::Latex => latex::render(document),
-            Self::Table | Self::Json | Self::Csv => text::render(document),
+            Self::Coloured => text::render(document, true),
+            Self::Table | Self::Json | Self::Csv => text::render(document, false),
         }
     }
 }
@@ -119,6 +133,37 @@ pub fn base(answer: &BaseParameters, format: Format) -> String {
         Format::Csv => base::csv(answer),
         _ => format.prose(&base::document(answer)),
     }
+}
+
+/// The relations of a robot in symbols. There is no CSV of them: text stands for it.
+#[must_use]
+pub fn symbolic(answer: &SymbolicRelations, format: Format) -> String {
+    match format {
+        Format::Json => symbolic::json(answer),
+        _ => format.prose(&symbolic::document(answer)),
+    }
+}
+
+/// The relations of a robot in symbols as a Python module for SymPy.
+#[must_use]
+pub fn sympy(answer: &SymbolicRelations) -> String {
+    symbolic::sympy(answer)
+}
+
+/// What code costs with standard and with base parameters, link by link.
+#[must_use]
+pub fn counts(standard: &Code, base: &Code, format: Format) -> String {
+    match format {
+        Format::Json => counts::json(standard, base),
+        _ => format.prose(&counts::document(standard, base)),
+    }
+}
+
+/// The base parameters of a robot as a page to look at: one HTML file, offline, with drawings,
+/// typeset relations, and the CSV, JSON and certificate to save from it.
+#[must_use]
+pub fn report(answer: &BaseParameters) -> String {
+    report::page(answer)
 }
 
 /// A robot as it is understood: links, geometry as written, known inertial parameters.
@@ -179,6 +224,49 @@ pub struct RobotEntry<'a> {
     pub title: &'a str,
     /// Where its numbers come from.
     pub source: &'a str,
+}
+
+/// The known inertial parameters of a robot's links in somebody's order, a row a link.
+#[must_use]
+pub fn parameters(mechanism: &Mechanism, convention: Convention, format: Format) -> String {
+    match format {
+        Format::Json => orders::json(mechanism, convention),
+        Format::Csv => orders::csv(mechanism, convention),
+        _ => format.prose(&orders::document(mechanism, convention)),
+    }
+}
+
+/// Something found in a robot file, as [`lint`] lists it.
+#[derive(Debug, Clone)]
+pub struct FindingRow {
+    /// The file.
+    pub file: String,
+    /// Line, from 1.
+    pub line: Option<u32>,
+    /// Column, from 1.
+    pub column: Option<u32>,
+    /// `error` or `warning`.
+    pub severity: &'static str,
+    /// The rule's name.
+    pub rule: String,
+    /// What is wrong.
+    pub what: String,
+    /// What to do.
+    pub remedy: String,
+    /// All of it in a line.
+    pub line_of_text: String,
+}
+
+/// What was found in robot files; as text a line each.
+#[must_use]
+pub fn lint(findings: &[FindingRow], format: Format) -> String {
+    match format {
+        Format::Table => lint::text(findings, false),
+        Format::Coloured => lint::text(findings, true),
+        Format::Json => lint::json(findings),
+        Format::Csv => lint::csv(findings),
+        Format::Markdown | Format::Latex => format.prose(&lint::document(findings)),
+    }
 }
 
 /// The list of built-in robots.

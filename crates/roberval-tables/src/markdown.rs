@@ -27,6 +27,11 @@ fn block(block: &Block) -> String {
                 .iter()
                 .map(|r| markdown_code(&r.pieces().join(" "))),
         ),
+        Block::Formulas(formulas) => list(
+            formulas
+                .iter()
+                .map(|f| markdown_code(&f.pieces().join(" "))),
+        ),
     }
 }
 
@@ -55,6 +60,7 @@ fn table(table: &Table) -> String {
 fn cell(item: &Item) -> String {
     match item {
         Item::Text(text) | Item::Number(text) => markdown(text),
+        Item::Mark(mark, _) => markdown(mark),
         Item::Label(label) => markdown_code(&label.text()),
     }
 }

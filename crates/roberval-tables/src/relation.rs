@@ -80,27 +80,52 @@ impl Sum {
 
     /// The relation as the pieces between which a line may break.
     pub fn pieces(&self) -> Vec<String> {
-        let mut pieces = vec![self.left.text(), "=".to_owned(), self.first.text()];
-        for group in &self.groups {
-            let sign = if group.coefficient < 0.0 { "-" } else { "+" };
-            let factor = match group.coefficient.abs() {
+        let terms = self.groups.iter().map(|group| Term {
+            negative: group.coefficient < 0.0,
+            factor: match group.coefficient.abs() {
                 1.0 => String::new(),
-                x => format!("{} ", shortest(x)),
-            };
-            let (open, close) = match group.members.len() {
-                1 => ("", ""),
-                _ => ("(", ")"),
-            };
-            let first = pieces.len();
-            pieces.extend(group.members.iter().map(|m| format!("+ {}", m.text())));
-            let text = group.members[0].text();
-            pieces[first] = format!("{sign} {factor}{open}{text}");
-            if let Some(last) = pieces.last_mut() {
-                last.push_str(close);
-            }
-        }
-        pieces
+                x => shortest(x),
+            },
+            members: &group.members,
+        });
+        pieces(&self.left, &self.first, terms)
     }
+}
+
+/// `+ factor (members)`
+pub(crate) struct Term<'a> {
+    pub negative: bool,
+    /// Empty for 1.
+    pub factor: String,
+    pub members: &'a [Label],
+}
+
+/// `left = first + terms` as the pieces between which a line may break.
+pub(crate) fn pieces<'a>(
+    left: &Label,
+    first: &Label,
+    terms: impl Iterator<Item = Term<'a>>,
+) -> Vec<String> {
+    let mut pieces = vec![left.text(), "=".to_owned(), first.text()];
+    for term in terms {
+        let sign = if term.negative { "-" } else { "+" };
+        let factor = match term.factor.is_empty() {
+            true => String::new(),
+            false => format!("{} ", term.factor),
+        };
+        let (open, close) = match term.members.len() {
+            1 => ("", ""),
+            _ => ("(", ")"),
+        };
+        let first = pieces.len();
+        pieces.extend(term.members.iter().map(|m| format!("+ {}", m.text())));
+        let text = term.members[0].text();
+        pieces[first] = format!("{sign} {factor}{open}{text}");
+        if let Some(last) = pieces.last_mut() {
+            last.push_str(close);
+        }
+    }
+    pieces
 }
 
 /// Terms by kind in the paper's order; in a kind those of equal coefficient together, the

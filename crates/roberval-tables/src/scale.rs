@@ -74,7 +74,7 @@ pub(crate) fn json(mechanism: &Mechanism, options: &ScalingOptions, scaling: &Sc
         .iter()
         .map(|&c| &space.labels()[c])
         .collect();
-    let (samples, dof) = (&scaling.samples, mechanism.dof().max(1));
+    let (samples, dof) = (&scaling.samples, mechanism.independent().max(1));
     let rows = |array: &[f64]| {
         array
             .chunks_exact(dof)
@@ -113,7 +113,7 @@ fn grade(grade: &Grade) -> Value {
 
 /// The samples, as `roberval regressor` reads states.
 pub(crate) fn csv(mechanism: &Mechanism, scaling: &Scaling) -> String {
-    let (samples, dof) = (&scaling.samples, mechanism.dof());
+    let (samples, dof) = (&scaling.samples, mechanism.independent());
     let arrays = [
         ("q", &samples.q),
         ("qd", &samples.qd),

@@ -6,7 +6,7 @@ use crate::document::{Block, Column, Document, Item, Table};
 use crate::escape::csv_cell;
 use crate::number::{exact, shortest};
 use crate::relation::Label;
-use crate::{csv_text, robot};
+use crate::{couples, csv_text, robot};
 
 mod json;
 
@@ -14,16 +14,18 @@ pub(crate) use json::json;
 
 /// The robot for people.
 pub(crate) fn document(mechanism: &Mechanism) -> Document {
+    let mut lines = vec![
+        robot::joints_and_gravity(mechanism),
+        format!(
+            "{} joint variables, {} standard parameters",
+            mechanism.dof(),
+            mechanism.parameters().len()
+        ),
+    ];
+    lines.extend(couples::lines(mechanism));
     let mut blocks = vec![
         Block::Title(mechanism.name.clone()),
-        Block::Lines(vec![
-            robot::joints_and_gravity(mechanism),
-            format!(
-                "{} joint variables, {} standard parameters",
-                mechanism.dof(),
-                mechanism.parameters().len()
-            ),
-        ]),
+        Block::Lines(lines),
         Block::Heading("Links".to_owned()),
         Block::Table(links(mechanism)),
     ];
@@ -175,7 +177,7 @@ fn inertia(mechanism: &Mechanism) -> Document {
         let none = "The robot file gives no inertial parameters: the analysis needs none.";
         return vec![Block::Heading(none.to_owned())];
     }
-    vec![
+    let mut blocks = vec![
         Block::Heading(
             "Known inertial parameters, about the origin of the link's frame (SI units)".to_owned(),
         ),
@@ -184,7 +186,15 @@ fn inertia(mechanism: &Mechanism) -> Document {
             rows,
             folded: true,
         }),
-    ]
+    ];
+    let unknown = |link: &&Link| link.inertia.iter().all(Option::is_none);
+    let links = mechanism.links.iter().filter(unknown);
+    let names: Vec<&str> = links.map(|link| link.name.as_str()).collect();
+    if !names.is_empty() {
+        let note = "Links without inertial values (the analysis needs none)";
+        blocks.push(Block::Lines(vec![format!("{note}: {}", names.join(", "))]));
+    }
+    blocks
 }
 
 /// One row a link: its place in the tree, its frame's origin and its known parameters.

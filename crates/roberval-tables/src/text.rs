@@ -3,7 +3,7 @@
 use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
 
 use crate::WIDTH;
-use crate::document::{Block, Document, Item, Table};
+use crate::document::{Block, Document, Item, Table, Tint};
 use crate::escape::plain;
 
 /// Cells of folded tables are cut to this many columns (`head~tail`): one long name must
@@ -17,8 +17,13 @@ const HANG: usize = 4;
 const GUTTER: &str = "  ";
 const BETWEEN: &str = "    ";
 
-/// The document as text, every line ended.
-pub(crate) fn render(document: &Document) -> String {
+/// The document as text, every line ended; with colours for a terminal if asked for.
+pub(crate) fn render(document: &Document, coloured: bool) -> String {
+    let paint = |tint: Tint, lines: &mut [String]| {
+        for line in lines.iter_mut().filter(|_| coloured) {
+            *line = tint.paint(line);
+        }
+    };
     let mut lines = Vec::new();
     for block in document {
         let starts_part = matches!(block, Block::Heading(_) | Block::List(..));
@@ -26,14 +31,25 @@ pub(crate) fn render(document: &Document) -> String {
             lines.push(String::new());
         }
         match block {
-            Block::Title(text) | Block::Heading(text) => wrap(&words(text), 0, &mut lines),
+            Block::Title(text) | Block::Heading(text) => {
+                let start = lines.len();
+                wrap(&words(text), 0, &mut lines);
+                let title = matches!(block, Block::Title(_));
+                let tint = if title { Tint::Title } else { Tint::Heading };
+                paint(tint, &mut lines[start..]);
+            }
             Block::Lines(texts) => {
                 for text in texts {
                     wrap(&words(text), HANG, &mut lines);
                 }
             }
-            Block::Table(table) => lines.extend(set(table)),
-            Block::Rule(text) => lines.push(rule(text)),
+            Block::Table(table) => lines.extend(set(table, coloured)),
+            Block::Rule(text) => {
+                lines.push(rule(text));
+                if let Some(last) = lines.last_mut() {
+                    paint(Tint::Keep, std::slice::from_mut(last));
+                }
+            }
             Block::List(lead, labels) => {
                 let mut pieces = words(lead);
                 let last = labels.len().saturating_sub(1);
@@ -45,6 +61,11 @@ pub(crate) fn render(document: &Document) -> String {
             Block::Relations(relations) => {
                 for relation in relations {
                     wrap(&relation.pieces(), HANG, &mut lines);
+                }
+            }
+            Block::Formulas(formulas) => {
+                for formula in formulas {
+                    wrap(&formula.pieces(), HANG, &mut lines);
                 }
             }
         }
@@ -93,7 +114,7 @@ fn rule(text: &str) -> String {
 }
 
 /// The lines of a table; a folded one runs down its columns as in a newspaper.
-fn set(table: &Table) -> Vec<String> {
+fn set(table: &Table, coloured: bool) -> Vec<String> {
     let cells: Vec<Vec<String>> = table
         .rows
         .iter()
@@ -106,24 +127,44 @@ fn set(table: &Table) -> Vec<String> {
     let down = cells.len().div_ceil(across);
     let across = cells.len().div_ceil(down.max(1)).max(1);
     let titles: Vec<String> = table.columns.iter().map(|c| c.title.to_owned()).collect();
-    let one = |row: &[String]| line(table, &widths, row);
+    let one = |row: &[String], tints: &[Option<Tint>]| line(table, &widths, row, tints);
+    let tints: Vec<Vec<Option<Tint>>> = table
+        .rows
+        .iter()
+        .map(|row| {
+            row.iter()
+                .map(|item| tint(item).filter(|_| coloured))
+                .collect()
+        })
+        .collect();
     let mut lines = Vec::new();
     if titles.iter().any(|title| !title.is_empty()) {
-        lines.push(vec![one(&titles); across].join(BETWEEN));
+        lines.push(vec![one(&titles, &[]); across].join(BETWEEN));
     }
     for i in 0..down {
         let parts: Vec<String> = (0..across)
-            .filter_map(|k| cells.get(k * down + i).map(|row| one(row)))
+            .filter_map(|k| {
+                let at = k * down + i;
+                cells.get(at).map(|row| one(row, &tints[at]))
+            })
             .collect();
         lines.push(parts.join(BETWEEN));
     }
     lines
 }
 
+fn tint(item: &Item) -> Option<Tint> {
+    match item {
+        Item::Mark(_, tint) => Some(*tint),
+        _ => None,
+    }
+}
+
 fn cell(item: &Item, folded: bool) -> String {
     let text = match item {
         Item::Text(text) | Item::Number(text) => plain(text),
         Item::Label(label) => label.text(),
+        Item::Mark(mark, _) => (*mark).to_owned(),
     };
     if folded {
         cut(&text, WIDEST_CELL)
@@ -150,18 +191,20 @@ fn widths(table: &Table, cells: &[Vec<String>]) -> Vec<usize> {
     widths
 }
 
-fn line(table: &Table, widths: &[usize], row: &[String]) -> String {
-    let cells = row.iter().zip(widths).zip(&table.columns);
-    let cells: Vec<String> = cells
-        .map(|((cell, &width), column)| {
-            let cell = cut(cell, width);
-            let blanks = " ".repeat(width - cell.width());
-            match column.right {
-                true => blanks + &cell,
-                false => cell + &blanks,
-            }
-        })
-        .collect();
+fn line(table: &Table, widths: &[usize], row: &[String], tints: &[Option<Tint>]) -> String {
+    let mut cells = Vec::with_capacity(row.len());
+    for (k, ((cell, &width), column)) in row.iter().zip(widths).zip(&table.columns).enumerate() {
+        let cell = cut(cell, width);
+        let blanks = " ".repeat(width - cell.width());
+        let cell = match tints.get(k).copied().flatten() {
+            Some(tint) => tint.paint(&cell),
+            None => cell,
+        };
+        cells.push(match column.right {
+            true => blanks + &cell,
+            false => cell + &blanks,
+        });
+    }
     cells.join(GUTTER)
 }
 

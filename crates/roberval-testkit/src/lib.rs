@@ -1,8 +1,10 @@
 //! Generated robots: chains and trees of every kind the method must handle, named by a
 //! seed. For tests and benches only.
 
+mod couples;
 mod style;
 
+pub use couples::coupled;
 use roberval_mechanism::{
     Geometry, JointKind, LinkDescription, MdhGeometry, Origin, RobotDescription, SourceFormat,
 };
@@ -66,6 +68,8 @@ impl Family {
             gravity: gravity(&mut random),
             constants: Vec::new(),
             links,
+            couples: Vec::new(),
+            loops: Vec::new(),
             format: self.format,
             warnings: Vec::new(),
         }
@@ -93,7 +97,6 @@ impl Family {
             geometry: self.geometry(j, random),
             inertia: std::array::from_fn(|_| Some(decimal(random.below(2000) as i64 - 1000, -3))),
             limits: None,
-            mimic: None,
         }
     }
 

@@ -4,6 +4,7 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Zero};
+use roberval_regressor::AngleUnit;
 use roberval_scalar::{Expr, LinearInPi, Quantity};
 
 use super::CertificateError;
@@ -32,15 +33,19 @@ pub(super) fn exact_text(
         })
 }
 
-/// An angle `r + s pi` as (r, s), s a fraction; s is 0 where there is no such form.
-pub(super) fn exact_angle(
-    angle: &Quantity,
+/// The size of a unit of angles.
+pub(super) fn unit_text(
+    unit: &AngleUnit,
     constants: &Constants,
-) -> Result<(String, String), CertificateError> {
-    Ok(match LinearInPi::of(&angle.expr, constants) {
-        Some(exact) => (exact.rational.to_string(), exact.half_turns.to_string()),
-        None => (exact_text(angle, constants)?, "0".to_owned()),
-    })
+) -> Result<String, CertificateError> {
+    match unit.exact() {
+        Ok(exact) => Ok(linear(&exact)),
+        Err(angle) => {
+            let text = exact_text(angle, constants)?;
+            let negative = angle.value < 0.0;
+            Ok(if negative { format!("-({text})") } else { text })
+        }
+    }
 }
 
 /// Appends the expression; false if it became too long.
@@ -94,7 +99,7 @@ fn write(expr: &Expr, constants: &Constants, text: &mut String) -> bool {
 
 /// `sqrt(n/d) = sqrt(n d)/d`, a product of square roots of primes where these are easy
 /// to find: a prime field has a certain root of 2, 3 and 5, and must be asked for those.
-fn root_of_fraction(square: &BigRational) -> String {
+pub(super) fn root_of_fraction(square: &BigRational) -> String {
     let mut rest = square.numer() * square.denom();
     let mut factor = BigRational::new(BigInt::one(), square.denom().clone());
     let mut roots = Vec::new();

@@ -86,7 +86,7 @@ pub(super) fn coefficients(
     field: impl Fn(u64, u64) -> Result<Run, NotInField>,
 ) -> Result<Vec<Vec<ExactNumber>>, NotInField> {
     let (mut beta, mut open) = short_fractions(first, second);
-    if open.is_empty() || !first.generic.is_empty() || !angles.twelfths() {
+    if open.is_empty() || !first.algebraic || !angles.twelfths() {
         return Ok(beta);
     }
     let rational = angles.right() && !first.roots;

@@ -1,12 +1,13 @@
 //! Two fields, one answer.
 
 use roberval_mechanism::Mechanism;
-use roberval_regressor::{AngleOrder, Model, NotInField};
+use roberval_regressor::{AngleOrder, Model, NoValue, NotInField};
 
 use super::coefficients::coefficients;
 use super::number::ExactNumber;
 use super::rounded::round_open_entries;
 use super::run::{Run, run};
+use crate::SampleError;
 
 /// Fields asked at most before two must have agreed: a disagreement has a probability
 /// of about 1e-15, so that a second one is a bug.
@@ -29,7 +30,7 @@ pub struct ExactDecision {
     /// The largest relative error that a coefficient without an exact form may have had
     /// before it was rounded: 0 if all have one; else about 1e-28. Infinite or large if
     /// the kept columns are not independent after all, which takes angles that stand for
-    /// generic ones and are not (0.3 and 0.6 rad).
+    /// generic ones and are not.
     pub rounding_error: f64,
     /// The primes of the fields that agreed.
     pub primes: Vec<u64>,
@@ -37,13 +38,13 @@ pub struct ExactDecision {
     pub seeds: Vec<u64>,
     /// The samples each field took until nothing was new.
     pub samples: Vec<usize>,
-    /// Angles that have no exact rotation and stood for generic ones, as written.
+    /// Angles without a common unit, for which independent generic ones stood, as written.
     pub generic: Vec<String>,
     /// The order n of the rotation whose powers are the robot's rational angles: the
     /// primes are -1 modulo n.
     pub angle_order: u64,
     /// An upper bound of the degree of a row's entries in the random values.
-    pub degree: usize,
+    pub degree: u64,
     /// An upper bound of the probability that the rank is too low.
     pub failure_probability: f64,
 }
@@ -54,6 +55,15 @@ pub enum ExactError {
     /// A number of the robot has no place in any of many fields.
     #[error("{0}; give it as a decimal number instead")]
     NotInField(#[from] NotInField),
+    /// The constraints have no value at a random state.
+    #[error(transparent)]
+    NoValue(#[from] NoValue),
+    /// Loops without configurations to sample.
+    #[error(transparent)]
+    Samples(#[from] SampleError),
+    /// Loops that are given implicitly.
+    #[error("loops given by their cut joints are not decided exactly: use the engine \"precise\"")]
+    Loops,
     /// Fields disagree again and again.
     #[error("prime fields disagree about the rank ({ranks:?}): please report this robot")]
     Disagreement {
@@ -73,7 +83,10 @@ pub fn decide_exactly(
     order: &[usize],
     seed: u64,
 ) -> Result<ExactDecision, ExactError> {
-    let angles = AngleOrder::of(&mechanism.description);
+    if mechanism.assembly.is_some() {
+        return Err(ExactError::Loops);
+    }
+    let angles = AngleOrder::of(mechanism);
     let field = |k: u64| {
         run(
             mechanism,
@@ -123,7 +136,10 @@ pub(crate) fn structural_rank(
     model: Model,
     seed: u64,
 ) -> Result<usize, ExactError> {
-    let angles = AngleOrder::of(&mechanism.description);
+    if mechanism.assembly.is_some() {
+        return Err(ExactError::Loops);
+    }
+    let angles = AngleOrder::of(mechanism);
     let order: Vec<usize> = (0..mechanism.parameters().len()).collect();
     let rank = |seed: u64| run(mechanism, model, &order, angles, seed, 1).map(|r| r.kept.len());
     Ok(rank(seed)?.max(rank(seed.wrapping_add(1))?))

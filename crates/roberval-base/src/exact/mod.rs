@@ -5,10 +5,10 @@
 //! prime is nonzero, so that the rank is never overestimated; it is underestimated with
 //! a probability that is computed (Schwartz-Zippel). Both fields must agree.
 //!
-//! Angles that are no rational part of a turn (0.3 rad) have no place in a field: the
-//! answer is that of the robot with generic angles there, equal literals being equal.
-//! Literals that are related otherwise (0.3 + 0.3 - 0.6 rad along a chain) are not known to
-//! be, and the rank may then be too high; the diagnosis names such angles.
+//! Decimal angles (0.3 rad) are powers of one random rotation, exactly as written. Those
+//! with so many digits that the powers would be too high count as independent generic
+//! angles, equal or commensurable literals together: if they are related otherwise, the rank
+//! may be too high, and the diagnosis names them.
 
 mod coefficients;
 mod decision;
@@ -21,3 +21,5 @@ pub(crate) use decision::structural_rank;
 pub use decision::{ExactDecision, ExactError, decide_exactly};
 pub(crate) use field::in_some_field;
 pub use number::ExactNumber;
+pub(crate) use rounded::columns_of_w;
+pub use run::{Run, eliminate};

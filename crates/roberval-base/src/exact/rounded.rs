@@ -3,9 +3,10 @@
 
 use num_integer::Integer;
 use roberval_mechanism::Mechanism;
-use roberval_regressor::{Model, NotInField, PreciseModel};
+use roberval_regressor::{Model, PreciseModel};
 use roberval_scalar::DoubleDouble;
 
+use super::ExactError;
 use super::number::ExactNumber;
 use crate::Samples;
 
@@ -38,7 +39,7 @@ pub(super) fn round_open_entries(
     deleted: &[usize],
     beta: &mut [Vec<ExactNumber>],
     seed: u64,
-) -> Result<f64, NotInField> {
+) -> Result<f64, ExactError> {
     let is_open = |x: &ExactNumber| !x.is_exact();
     let open = |beta: &[Vec<ExactNumber>], j: usize| -> Vec<usize> {
         (0..kept.len()).filter(|&i| is_open(&beta[i][j])).collect()
@@ -50,7 +51,10 @@ pub(super) fn round_open_entries(
     while !columns.is_empty() {
         let last = set + 1 == MOST_SETS;
         let rows = (kept.len() + deleted.len()) << (1 + set);
-        let w = columns_of_w(mechanism, model, rows, seed.wrapping_add(set as u64))?;
+        let per_sample = model.rows(mechanism.independent());
+        let count = Integer::div_ceil(&rows, &per_sample) + 1;
+        let samples = Samples::draw(mechanism, count, seed.wrapping_add(set as u64))?;
+        let w = columns_of_w(mechanism, model, &samples)?;
         let mut again = Vec::new();
         for &j in &columns {
             let unknown = open(beta, j);
@@ -74,25 +78,24 @@ pub(super) fn round_open_entries(
     Ok(worst)
 }
 
-/// All columns of W over at least `rows` rows; those of h are differences.
-fn columns_of_w(
+/// All columns of W at these samples in pairs of doubles; those of h are differences to
+/// the first sample's.
+pub(crate) fn columns_of_w(
     mechanism: &Mechanism,
     model: Model,
-    rows: usize,
-    seed: u64,
-) -> Result<Vec<Vec<DoubleDouble>>, NotInField> {
+    samples: &Samples,
+) -> Result<Vec<Vec<DoubleDouble>>, ExactError> {
     let precise = PreciseModel::new(mechanism)?;
-    let (n, c) = (mechanism.dof(), mechanism.parameters().len());
+    let (n, c) = (mechanism.independent(), mechanism.parameters().len());
     let per_sample = model.rows(n);
-    let count = Integer::div_ceil(&rows, &per_sample) + 1;
-    let samples = Samples::draw(mechanism, count, seed);
+    let count = samples.count;
     let mut work = precise.workspace();
     let mut sample = vec![DoubleDouble::ZERO; per_sample * c];
     let mut reference = None;
     let mut columns = vec![Vec::with_capacity(count * per_sample); c];
     for k in 0..count {
         let state = [&samples.q, &samples.qd, &samples.qdd].map(|x| &x[k * n..(k + 1) * n]);
-        precise.fill(model, state, &mut work, &mut sample);
+        precise.fill(model, state, &mut work, &mut sample)?;
         if model == Model::H && reference.is_none() {
             reference = Some(sample.clone());
             continue;

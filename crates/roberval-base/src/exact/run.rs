@@ -13,22 +13,30 @@ const SILENT_SAMPLES: usize = 2;
 /// What one field says. Columns are the robot's; those of `kept` and of `beta`'s rows
 /// and columns are in the order they were asked for.
 #[derive(Debug, Clone)]
-pub(crate) struct Run {
+pub struct Run {
+    /// The prime.
     pub p: u64,
+    /// The seed of all that was random.
     pub seed: u64,
+    /// Samples taken until nothing was new.
     pub samples: usize,
     /// Columns that are zero (constant, for h) at every sample, ascending.
     pub no_effect: Vec<usize>,
+    /// Independent columns.
     pub kept: Vec<usize>,
+    /// The other columns with an effect.
     pub deleted: Vec<usize>,
     /// Residues of beta.
     pub beta: Vec<Vec<u64>>,
     /// Angles that stood for generic ones.
     pub generic: Vec<String>,
+    /// Whether all angles are multiples of 2 pi/n.
+    pub algebraic: bool,
     /// Degree of a row's entries in the random values.
-    pub degree: usize,
-    /// Residues of the square roots of 2 and 3 that the angles mean.
+    pub degree: u64,
+    /// Residue of the square root of 2 that the angles mean.
     pub sqrt2: u64,
+    /// Residue of the square root of 3.
     pub sqrt3: u64,
     /// Whether lengths of the description have square roots.
     pub roots: bool,
@@ -51,7 +59,8 @@ pub(crate) fn run(
     })
 }
 
-fn eliminate<'m>(
+/// Analyses the robot of an exact model: [`Run`] in its field. `random` draws the states.
+pub fn eliminate<'m>(
     mechanism: &Mechanism,
     model: Model,
     order: &[usize],
@@ -66,7 +75,7 @@ fn eliminate<'m>(
         exact,
         work: exact.workspace(),
         model,
-        values: vec![zero; model.rows(mechanism.dof()) * space.len()],
+        values: vec![zero; model.rows(mechanism.independent()) * space.len()],
         reference: None,
     };
     let mut echelon = Echelon::new(modulus, order.len());
@@ -110,6 +119,7 @@ fn eliminate<'m>(
         kept: kept.iter().map(|&j| order[j]).collect(),
         beta,
         generic: exact.generic().to_vec(),
+        algebraic: exact.is_algebraic(),
         degree: exact.degree(),
         sqrt2: exact.sqrt2().residue(),
         sqrt3: exact.sqrt3().residue(),

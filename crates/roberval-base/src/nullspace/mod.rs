@@ -40,13 +40,14 @@ pub struct NullspaceDecision {
 
 /// Rank and paper's choice of the mechanism by the recursive parameter nullspace
 /// algorithm, in one random prime field: an independent check of
-/// [`crate::decide_exactly`], which is the same for all models.
+/// [`crate::decide_exactly`], which is the same for all models. The algorithm knows trees:
+/// constraints are opened.
 ///
 /// # Errors
 /// [`ExactError::NotInField`] if a number of the description has no place in any of many
 /// prime fields.
 pub fn nullspace_rank(mechanism: &Mechanism, seed: u64) -> Result<NullspaceDecision, ExactError> {
-    let angles = AngleOrder::of(&mechanism.description);
+    let angles = AngleOrder::of(mechanism);
     let space = mechanism.parameters();
     let decision = in_some_field(mechanism, angles, seed, 1, |exact, _| {
         let tree = exact.tree();
@@ -187,7 +188,7 @@ mod tests {
                 ..Family::default()
             };
             let robot = Mechanism::new(&family.robot(seed)).expect("valid");
-            let angles = AngleOrder::of(&robot.description);
+            let angles = AngleOrder::of(&robot);
             in_some_field(&robot, angles, seed, 1, |exact, random| {
                 let tree = exact.tree();
                 let zero = tree.constants.zero;

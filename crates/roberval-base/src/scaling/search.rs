@@ -217,7 +217,7 @@ impl<'a> Piece<'a> {
             Model::D0 => &[0, 2],
             Model::H => &[0, 1],
         };
-        let joints = 0..mechanism.dof();
+        let joints = 0..mechanism.independent();
         Self {
             regressor: Regressor::new(mechanism),
             model,

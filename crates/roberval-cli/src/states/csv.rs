@@ -71,7 +71,7 @@ fn columns(
     note: &mut dyn FnMut(String),
 ) -> Result<[Vec<Option<usize>>; 3], String> {
     let names = joint_names(mechanism);
-    let dof = mechanism.dof();
+    let dof = mechanism.independent();
     let mut columns: [Vec<Option<usize>>; 3] = std::array::from_fn(|_| vec![None; dof]);
     let mut ignored = Vec::new();
     for (at, title) in header.iter().enumerate() {
@@ -134,13 +134,13 @@ fn meaning(title: &str, names: &HashMap<String, usize>) -> Option<(usize, usize)
 /// What the joints may be called: by joint name, by link name, else by number from 1.
 fn joint_names(mechanism: &Mechanism) -> HashMap<String, usize> {
     let mut names = HashMap::new();
-    for (j, _) in mechanism.moving().enumerate() {
+    for (j, _) in mechanism.independent_joints().iter().enumerate() {
         names.insert((j + 1).to_string(), j);
     }
-    for (j, link) in mechanism.moving().enumerate() {
+    for (j, link) in mechanism.independent_joints().iter().enumerate() {
         names.insert(link.name.clone(), j);
     }
-    for (j, link) in mechanism.moving().enumerate() {
+    for (j, link) in mechanism.independent_joints().iter().enumerate() {
         names.extend(link.joint_name.clone().map(|name| (name, j)));
     }
     names

@@ -25,7 +25,12 @@ pub fn roberval<S: AsRef<str>>(args: &[S]) -> Run {
 pub fn roberval_bytes<S: AsRef<str>>(args: &[S]) -> (i32, Vec<u8>, String) {
     let args = std::iter::once("roberval").chain(args.iter().map(AsRef::as_ref));
     let (mut out, mut err) = (Vec::new(), Vec::new());
-    let code = roberval_cli::run(args.map(OsString::from), &mut out, &mut err);
+    let code = roberval_cli::run(
+        args.map(OsString::from),
+        &mut out,
+        &mut err,
+        roberval_cli::Look::default(),
+    );
     (code, out, String::from_utf8(err).expect("stderr is UTF-8"))
 }
 

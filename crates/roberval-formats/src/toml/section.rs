@@ -1,12 +1,12 @@
 use roberval_scalar::{Constants, LiteralError, Quantity};
-use toml_edit::{Item, TableLike, Value};
+use toml_edit::{Array, Item, TableLike, Value};
 
 use crate::error::{Code, FormatError};
 use crate::source::{Source, name_fault};
 use crate::words::{nearest, quoted};
 
 /// How to read a number of some kind from its text.
-type Read = fn(&str, &Constants) -> Result<Quantity, LiteralError>;
+pub(super) type Read = fn(&str, &Constants) -> Result<Quantity, LiteralError>;
 
 /// A table of the file with its name in messages.
 pub(super) struct Section<'s, 'd> {
@@ -65,7 +65,7 @@ impl<'s, 'd> Section<'s, 'd> {
         })
     }
 
-    fn wrong_type(&self, key: &str, item: &Item, wanted: &str) -> FormatError {
+    pub fn wrong_type(&self, key: &str, item: &Item, wanted: &str) -> FormatError {
         let found = match item.type_name() {
             name @ ("array" | "integer" | "array of tables" | "inline table") => {
                 format!("an {name}")
@@ -152,6 +152,7 @@ impl<'s, 'd> Section<'s, 'd> {
     pub fn vector(
         &self,
         key: &str,
+        read: Read,
         constants: &Constants,
     ) -> Result<Option<[Quantity; 3]>, FormatError> {
         let Some(item) = self.table.get(key) else {
@@ -160,13 +161,25 @@ impl<'s, 'd> Section<'s, 'd> {
         let Some(array) = item.as_array() else {
             return Err(self
                 .wrong_type(key, item, "three numbers")
-                .hint(format!("write {key} = [0, 0, -9.81]")));
+                .hint(format!("write {key} = [0, 0, 1]")));
         };
+        self.three(key, array, Quantity::parse_number, constants)
+            .map(Some)
+    }
+
+    /// The three numbers of an array.
+    pub fn three(
+        &self,
+        key: &str,
+        array: &Array,
+        read: Read,
+        constants: &Constants,
+    ) -> Result<[Quantity; 3], FormatError> {
         let values = array
             .iter()
-            .map(|value| self.number(key, value, Quantity::parse_number, constants))
+            .map(|value| self.number(key, value, read, constants))
             .collect::<Result<Vec<_>, _>>()?;
-        <[Quantity; 3]>::try_from(values).map(Some).map_err(|v| {
+        <[Quantity; 3]>::try_from(values).map_err(|v| {
             let what = format!("{key} must have three numbers, not {}", v.len());
             self.fault(Code::WrongType, key, what)
         })

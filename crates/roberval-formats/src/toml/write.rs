@@ -1,10 +1,11 @@
 use std::fmt::Write;
 
 use roberval_mechanism::{
-    Geometry, JointKind, LinkDescription, ParameterKind, RobotDescription, SourceFormat,
+    Couple, Geometry, JointKind, LinkDescription, LoopClosure, ParameterKind, RobotDescription,
+    SourceFormat, Term,
 };
 use roberval_scalar::Quantity;
-use toml_edit::Value;
+use toml_edit::{Key, Value};
 
 use super::BASE;
 use crate::error::{Code, FormatError};
@@ -14,23 +15,26 @@ use crate::words::quoted;
 /// back, literals and all.
 ///
 /// # Errors
-/// When the description is no modified Denavit-Hartenberg description (a URDF robot has
-/// frames that its parameters cannot hold), or has what the form cannot hold (joint
-/// names, limits, mimic joints).
+/// When the description comes from a URDF or has what the form cannot hold: several
+/// placements of one link, limits.
 pub fn to_toml(robot: &RobotDescription) -> Result<String, FormatError> {
     let refuse = |what: String| FormatError::new(Code::NotWritable, robot.name.as_str(), what);
-    if robot.format != SourceFormat::Mdh {
-        return Err(refuse(
-            "a URDF robot cannot be written as robot TOML: its frames need not follow the \
-             modified Denavit-Hartenberg rules"
-                .to_owned(),
-        )
-        .hint("keep the URDF file"));
+    if robot.format == SourceFormat::Urdf {
+        let what = "a URDF robot cannot be written as robot TOML, which has no limits and lumps \
+                    no fixed joints";
+        return Err(refuse(what.to_owned()).hint("keep the URDF file"));
     }
     let mut text = String::new();
     head(&mut text, robot);
     for description in &robot.links {
-        link(&mut text, description).map_err(refuse)?;
+        let dependent = robot.couples.iter().any(|c| c.joint == description.name);
+        link(&mut text, description, dependent).map_err(refuse)?;
+    }
+    for description in &robot.couples {
+        couple(&mut text, description);
+    }
+    for description in &robot.loops {
+        closure(&mut text, description);
     }
     Ok(text)
 }
@@ -47,16 +51,10 @@ fn head(text: &mut String, robot: &RobotDescription) {
     }
 }
 
-fn link(text: &mut String, link: &LinkDescription) -> Result<(), String> {
-    let Geometry::Mdh(geometry) = &link.geometry else {
+fn link(text: &mut String, link: &LinkDescription, dependent: bool) -> Result<(), String> {
+    if link.limits.is_some() {
         return Err(format!(
-            "link {} has no modified Denavit-Hartenberg parameters",
-            quoted(&link.name)
-        ));
-    };
-    if link.joint_name.is_some() || link.limits.is_some() || link.mimic.is_some() {
-        return Err(format!(
-            "link {}: robot TOML has no joint names, limits or mimic joints",
+            "link {}: robot TOML has no joint limits",
             quoted(&link.name)
         ));
     }
@@ -70,23 +68,87 @@ fn link(text: &mut String, link: &LinkDescription) -> Result<(), String> {
         JointKind::Fixed => ("fixed", false),
     };
     line(text, "joint", &string(joint));
-    if link.active != moving {
+    if link.active != (moving && !dependent) {
         line(text, "active", &link.active.to_string());
     }
     if link.rotor != (link.active && moving) {
         line(text, "rotor", &link.rotor.to_string());
     }
-    for (key, value) in [
-        ("gamma", &geometry.gamma),
-        ("b", &geometry.b),
-        ("alpha", &geometry.alpha),
-        ("d", &geometry.d),
-        ("theta", &geometry.theta),
-        ("r", &geometry.r),
-    ] {
-        line(text, key, &number(value));
+    if let Some(joint) = &link.joint_name {
+        line(text, "joint_name", &string(joint));
     }
+    geometry(text, link)?;
     inertia(text, link);
+    Ok(())
+}
+
+fn closure(text: &mut String, closure: &LoopClosure) {
+    text.push_str("\n[[loop]]\n");
+    let name = |name: &Option<String>| string(name.as_deref().unwrap_or(BASE));
+    let three = |v: &[Quantity; 3]| format!("[{}]", v.each_ref().map(number).join(", "));
+    let pair = |[a, b]: [String; 2]| format!("[{a}, {b}]");
+    let [a, b] = &closure.between;
+    line(text, "between", &pair([name(a), name(b)]));
+    let zero = Quantity::zero();
+    if closure
+        .frames
+        .iter()
+        .all(|f| f.rpy.iter().all(|x| *x == zero))
+    {
+        let at = closure.frames.each_ref().map(|f| three(&f.xyz));
+        line(text, "at", &pair(at));
+    } else {
+        let frames = closure.frames.each_ref();
+        let frames =
+            frames.map(|f| format!("{{ xyz = {}, rpy = {} }}", three(&f.xyz), three(&f.rpy)));
+        line(text, "frames", &pair(frames));
+    }
+    line(text, "cut", &string(closure.cut.name()));
+    if !closure.near.is_empty() {
+        let near = closure.near.iter();
+        let near: Vec<String> = near
+            .map(|(joint, x)| format!("{} = {}", key(joint), number(x)))
+            .collect();
+        line(text, "near", &format!("{{ {} }}", near.join(", ")));
+    }
+}
+
+/// A key, quoted where TOML wants that.
+fn key(name: &str) -> String {
+    Key::new(name).to_string()
+}
+
+fn geometry(text: &mut String, link: &LinkDescription) -> Result<(), String> {
+    let three = |numbers: &[Quantity; 3]| {
+        let texts = numbers.each_ref().map(number);
+        format!("[{}]", texts.join(", "))
+    };
+    match &link.geometry {
+        Geometry::Mdh(g) => {
+            for (key, value) in [
+                ("gamma", &g.gamma),
+                ("b", &g.b),
+                ("alpha", &g.alpha),
+                ("d", &g.d),
+                ("theta", &g.theta),
+                ("r", &g.r),
+            ] {
+                line(text, key, &number(value));
+            }
+        }
+        Geometry::Placed { origins, axis } => {
+            let [origin] = origins.as_slice() else {
+                return Err(format!(
+                    "link {} has {} placements, robot TOML has one",
+                    quoted(&link.name),
+                    origins.len()
+                ));
+            };
+            line(text, "xyz", &three(&origin.xyz));
+            line(text, "rpy", &three(&origin.rpy));
+            line(text, "axis", &three(axis));
+        }
+    }
     Ok(())
 }
 
@@ -99,6 +161,16 @@ fn inertia(text: &mut String, link: &LinkDescription) {
     if !entries.is_empty() {
         line(text, "inertia", &format!("{{ {} }}", entries.join(", ")));
     }
+}
+
+fn couple(text: &mut String, couple: &Couple) {
+    let key = |name: &str| Key::new(name).to_string();
+    let term = |t: &Term| format!("{} = {}", key(&t.joint), number(&t.multiplier));
+    let terms: Vec<String> = couple.terms.iter().map(term).collect();
+    text.push_str("\n[[couple]]\n");
+    line(text, "joint", &string(&couple.joint));
+    line(text, "equals", &format!("{{ {} }}", terms.join(", ")));
+    line(text, "offset", &number(&couple.offset));
 }
 
 fn line(text: &mut String, key: &str, value: &str) {

@@ -1,5 +1,5 @@
 use roberval_mechanism::{
-    Geometry, JointKind, LinkDescription, Origin, RobotDescription, SourceFormat,
+    Couple, Geometry, JointKind, LinkDescription, Origin, RobotDescription, SourceFormat, Term,
 };
 use roberval_scalar::Quantity;
 
@@ -8,7 +8,7 @@ use super::inertia::Inertia;
 use super::joint::Joint;
 use super::link::Link;
 use super::tree::Tree;
-use crate::error::{Code, FormatError};
+use crate::error::{Code, FormatError, Position};
 use crate::source::Source;
 use crate::suspects;
 use crate::words::{list, quoted};
@@ -57,17 +57,59 @@ pub(super) fn description(
             inertia,
         ));
     }
-    let down = Quantity::parse_decimal("-9.81").unwrap_or_else(|_| Quantity::zero());
+    let warnings = warnings(links, joints, &described);
     let mut robot = RobotDescription {
+        warnings,
+        couples: couples(links, joints, tree),
+        ..robot(name, described)
+    };
+    robot.warnings.extend(suspects::degrees(&robot));
+    let slips = source.warnings.take().into_iter();
+    let line = |(at, what): (Position, String)| format!("line {}, {what}", at.line);
+    robot.warnings.extend(slips.map(line));
+    Ok(robot)
+}
+
+fn robot(name: String, links: Vec<LinkDescription>) -> RobotDescription {
+    let down = Quantity::parse_decimal("-9.81").unwrap_or_else(|_| Quantity::zero());
+    RobotDescription {
         name,
         gravity: [Quantity::zero(), Quantity::zero(), down],
         constants: Vec::new(),
-        warnings: warnings(links, joints, tree, &described),
-        links: described,
+        couples: Vec::new(),
+        loops: Vec::new(),
+        links,
         format: SourceFormat::Urdf,
+        warnings: Vec::new(),
+    }
+}
+
+/// The numbers of joints without the tree they form, to look at one by one.
+pub(crate) fn of_joints<'a>(
+    pairs: impl Iterator<Item = (&'a Link, &'a Joint)>,
+) -> RobotDescription {
+    let link = |(link, joint): (&Link, &Joint)| {
+        let origins = vec![joint.origin.clone()];
+        link_description(link, joint, None, origins, Default::default())
     };
-    robot.warnings.extend(suspects::degrees(&robot));
-    Ok(robot)
+    robot(String::new(), pairs.map(link).collect())
+}
+
+/// The mimic joints, by the links that joints move.
+fn couples(links: &[Link], joints: &[Joint], tree: &Tree) -> Vec<Couple> {
+    let moved = |joint: usize| links[tree.ends[joint].1].name.clone();
+    let couple = |&j: &usize| {
+        let (mimic, copied) = (joints[j].mimic.as_ref()?, tree.copied[j]?);
+        Some(Couple {
+            joint: moved(j),
+            terms: vec![Term {
+                joint: moved(copied),
+                multiplier: mimic.multiplier.clone(),
+            }],
+            offset: mimic.offset.clone(),
+        })
+    };
+    tree.order.iter().filter_map(couple).collect()
 }
 
 /// The link into which a link is lumped (`None`: the base), and the fixed joints on the
@@ -130,17 +172,11 @@ fn link_description(
         },
         inertia,
         limits: joint.limits,
-        mimic: joint.mimic.clone(),
     }
 }
 
 /// What the user should know, one sentence for each kind of remark.
-fn warnings(
-    links: &[Link],
-    joints: &[Joint],
-    tree: &Tree,
-    described: &[LinkDescription],
-) -> Vec<String> {
+fn warnings(links: &[Link], joints: &[Joint], described: &[LinkDescription]) -> Vec<String> {
     let mut warnings = Vec::new();
     if joints.iter().all(|j| j.kind == JointKind::Fixed) {
         warnings.push("no joint of the robot moves".to_owned());
@@ -158,14 +194,6 @@ fn warnings(
     warn(
         described
             .iter()
-            .filter(|l| l.joint != JointKind::Fixed && l.inertia[9].is_none())
-            .map(|l| l.name.as_str())
-            .collect(),
-        "links without inertial values",
-    );
-    warn(
-        described
-            .iter()
             .filter(|l| l.inertia[9].as_ref().is_some_and(|mass| mass.value < 0.0))
             .map(|l| l.name.as_str())
             .collect(),
@@ -174,7 +202,7 @@ fn warnings(
     warn(
         links
             .iter()
-            .filter(|l| !l.plausible)
+            .filter(|l| l.unphysical.is_some())
             .map(|l| l.name.as_str())
             .collect(),
         "links with an inertia that no body has",
@@ -184,26 +212,13 @@ fn warnings(
         "joints whose axis is not of length 1, normalised",
     );
     warn(
-        named(&|j| j.mimic.is_some()),
-        "mimic joints, not applied yet: they move freely",
-    );
-    warn(
-        joints
-            .iter()
-            .zip(&tree.copied)
-            .filter(|(_, copied)| copied.is_some_and(|c| joints[c].kind == JointKind::Fixed))
-            .map(|(j, _)| j.name.as_str())
-            .collect(),
-        "mimic joints that copy a fixed joint",
-    );
-    warn(
         named(&|j| j.limits.is_some_and(|(lower, upper)| lower > upper)),
         "joints whose lower limit is above the upper one",
     );
     warnings
 }
 
-fn is_unit(axis: &[Quantity; 3]) -> bool {
+pub(crate) fn is_unit(axis: &[Quantity; 3]) -> bool {
     /// Decimals such as 0.707107 are rounded directions, not worth a word.
     const ROUNDING: f64 = 1e-5;
     let square: f64 = axis.iter().map(|x| x.value * x.value).sum();

@@ -74,7 +74,8 @@ fn edit_joint(edits: &mut Vec<Edit>, source: &Source, joint: Node, changes: &[&C
         ("origin", "rpy", rpy),
         ("axis", "xyz", axis),
     ] {
-        let attribute = children(joint, tag).find_map(|node| node.attribute_node(key));
+        let first = children(joint, tag).next();
+        let attribute = first.and_then(|node| node.attribute_node(key));
         if let Some(attribute) = attribute {
             edit_vector(edits, source, &attribute, &components);
         }

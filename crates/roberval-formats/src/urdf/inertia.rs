@@ -6,7 +6,7 @@ use roberval_scalar::{LiteralError, Quantity};
 
 /// Mass, first moment and inertia tensor of a body about the origin of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Inertia {
+pub(crate) struct Inertia {
     /// M, kg.
     pub mass: f64,
     /// (MX, MY, MZ), kg m.
@@ -61,33 +61,6 @@ impl Inertia {
             *parameter = Some(Quantity::from_f64(number)?);
         }
         Ok(parameters)
-    }
-
-    /// Whether some distribution of mass has this central inertia: M >= 0 and the second
-    /// moments tr(J)/2 1 - J not negative, which includes the triangle inequality.
-    pub fn is_plausible(&self) -> bool {
-        /// Decimals of the file are rounded: this much may be missing.
-        const ROUNDING: f64 = 1e-6;
-        let size = self.tensor.amax();
-        if self.mass < 0.0 || (self.mass == 0.0 && size > 0.0) {
-            return false;
-        }
-        if size == 0.0 {
-            return true;
-        }
-        let j = self.tensor / size;
-        let e = Matrix3::identity() * (j.trace() / 2.0) - j;
-        let minor = |a: usize, b: usize| e[(a, a)] * e[(b, b)] - e[(a, b)] * e[(a, b)];
-        let minors = [
-            e[(0, 0)],
-            e[(1, 1)],
-            e[(2, 2)],
-            minor(0, 1),
-            minor(0, 2),
-            minor(1, 2),
-            e.determinant(),
-        ];
-        minors.iter().all(|m| *m >= -ROUNDING)
     }
 }
 

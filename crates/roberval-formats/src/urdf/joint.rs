@@ -1,4 +1,4 @@
-use roberval_mechanism::{JointKind, Mimic, Origin};
+use roberval_mechanism::{JointKind, Origin};
 use roberval_scalar::Quantity;
 
 use super::Named;
@@ -6,8 +6,18 @@ use super::node::Element;
 use crate::error::{Code, FormatError};
 use crate::words::{nearest, quoted};
 
+/// A `<mimic>`: q = multiplier * q(joint) + offset.
+pub(crate) struct Mimic {
+    /// Name of the joint that is copied.
+    pub joint: String,
+    /// Factor, default 1.
+    pub multiplier: Quantity,
+    /// Offset, default 0.
+    pub offset: Quantity,
+}
+
 /// A `<joint>` with its numbers as written.
-pub(super) struct Joint {
+pub(crate) struct Joint {
     pub name: String,
     pub offset: usize,
     pub kind: JointKind,
@@ -40,6 +50,14 @@ impl Joint {
             limits: if limited { limits(element)? } else { None },
             mimic: if moving { mimic(element)? } else { None },
         })
+    }
+}
+
+impl Joint {
+    /// The joint that this one copies, and the multiplier.
+    pub fn copies(&self) -> Option<(&str, f64)> {
+        let mimic = self.mimic.as_ref()?;
+        Some((&mimic.joint, mimic.multiplier.value))
     }
 }
 
@@ -92,7 +110,7 @@ fn end(element: &Element, tag: &str) -> Result<String, FormatError> {
 pub(super) fn origin(element: &Element, joint: &str) -> Result<Origin, FormatError> {
     let zeros = || [(); 3].map(|()| Quantity::zero());
     let (mut xyz, mut rpy) = (None, None);
-    if let Some(origin) = element.child("origin")? {
+    if let Some(origin) = element.first_child("origin") {
         if origin.attribute("quat_xyzw")?.is_some() {
             let what = "quaternions are not supported";
             return Err(origin

@@ -1,3 +1,4 @@
+use roberval_mechanism::{Unphysical, unphysical};
 use roberval_scalar::Quantity;
 
 use super::joint::origin;
@@ -6,13 +7,13 @@ use super::{Named, inertia::Inertia};
 use crate::error::FormatError;
 
 /// A `<link>`: its name and inertia.
-pub(super) struct Link {
+pub(crate) struct Link {
     pub name: String,
     pub offset: usize,
     /// About the origin of the link's frame and in that frame.
     pub inertia: Option<Inertia>,
-    /// Whether some body could have the inertia.
-    pub plausible: bool,
+    /// Why no body could have the inertia.
+    pub unphysical: Option<Unphysical>,
 }
 
 impl Named for Link {
@@ -27,7 +28,7 @@ impl Link {
             name: name.to_owned(),
             offset: element.offset(),
             inertia: None,
-            plausible: true,
+            unphysical: None,
         };
         let Some(inertial) = element.child("inertial")? else {
             return Ok(link);
@@ -52,7 +53,7 @@ impl Link {
             *moment = value.value;
         }
         let central = Inertia::central(mass.value, moments);
-        link.plausible = central.is_plausible();
+        link.unphysical = unphysical(central.mass, &central.tensor);
         link.inertia = Some(central.placed(&origin(&inertial, name)?));
         Ok(link)
     }

@@ -10,7 +10,7 @@ use crate::words::quoted;
 
 /// An XML element with its name in messages.
 #[derive(Clone, Copy)]
-pub(super) struct Element<'s, 'd> {
+pub(crate) struct Element<'s, 'd> {
     pub source: &'s Source<'s>,
     pub node: Node<'d, 'd>,
     pub place: &'s str,
@@ -52,6 +52,23 @@ impl<'s, 'd> Element<'s, 'd> {
         }
     }
 
+    /// Where an attribute begins (the element, where it has no such attribute).
+    pub fn attribute_offset(&self, key: &str) -> usize {
+        let at = self.node.attribute_node(key).map(|a| a.range().start);
+        at.unwrap_or_else(|| self.offset())
+    }
+
+    /// The first child element with this tag, as ROS reads it; others are warned of.
+    pub fn first_child(&self, tag: &str) -> Option<Self> {
+        let mut found = self.children(tag);
+        let first = found.next()?;
+        if let Some(second) = found.next() {
+            let what = format!("a second <{tag}>: the first is taken");
+            self.source.warn(second.range().start, self.place, &what);
+        }
+        Some(Self::new(self.source, first, self.place))
+    }
+
     /// An error where the element begins.
     pub fn fault(&self, code: Code, what: impl Into<String>) -> FormatError {
         self.source
@@ -61,9 +78,8 @@ impl<'s, 'd> Element<'s, 'd> {
 
     /// An error at an attribute (at the element where it has no such attribute).
     pub fn attribute_fault(&self, key: &str, code: Code, what: impl Into<String>) -> FormatError {
-        let at = self.node.attribute_node(key).map(|a| a.range().start);
         self.source
-            .error(code, at.unwrap_or_else(|| self.offset()), what)
+            .error(code, self.attribute_offset(key), what)
             .place(self.place)
     }
 
@@ -115,7 +131,12 @@ impl<'s, 'd> Element<'s, 'd> {
         };
         let place = format!("{}, {} {key}", self.place, self.node.tag_name().name());
         let mut numbers = Vec::with_capacity(N);
-        for word in value.split_whitespace().take(N + 1) {
+        let mut commas = false;
+        for written in value.split_whitespace().take(N + 1) {
+            // A comma after a number of several is clear enough.
+            let word = written.strip_suffix(',').filter(|_| N > 1);
+            commas |= word.is_some();
+            let word = word.unwrap_or(written);
             // Exact unless the file hides characters behind entities.
             let start = range.start + (word.as_ptr() as usize - value.as_ptr() as usize);
             let here = start..(start + word.len()).min(range.end);
@@ -123,6 +144,10 @@ impl<'s, 'd> Element<'s, 'd> {
                 Quantity::parse_decimal(word)
                     .map_err(|e| self.source.literal(here, word, e).place(place.as_str()))?,
             );
+        }
+        if commas {
+            let what = format!("commas in {} are taken for blanks", quoted(value));
+            self.source.warn(range.start, &place, &what);
         }
         <[Quantity; N]>::try_from(numbers).map(Some).map_err(|_| {
             let found = value.split_whitespace().count();

@@ -1,6 +1,6 @@
 use std::collections::HashMap;
 
-use roberval_mechanism::find_cycle;
+use roberval_mechanism::{JointKind, find_cycle};
 
 use super::joint::Joint;
 use super::link::Link;
@@ -163,20 +163,30 @@ fn copied(source: &Source, joints: &[Joint]) -> Result<Vec<Option<usize>>, Forma
                 "it mimics joint {}, which does not exist",
                 quoted(&mimic.joint)
             );
-            let error = fault(source, joint, Code::MimicUnknown, what);
+            let error = fault(source, joint, Code::CoupleUnknown, what);
             return Err(match nearest(&mimic.joint, sorted(&names)) {
                 Some(near) => error.hint(format!("did you mean {}?", quoted(near))),
                 None => error,
             });
         };
-        copied[index] = Some(*target);
+        let name = quoted(&mimic.joint);
+        let held = if joints[*target].kind == JointKind::Fixed {
+            format!("it mimics joint {name}, which is fixed")
+        } else if mimic.multiplier.value == 0.0 {
+            format!("it mimics joint {name} with the multiplier 0")
+        } else {
+            copied[index] = Some(*target);
+            continue;
+        };
+        let what = format!("{held}, so that it does not move");
+        return Err(fault(source, joint, Code::Contradiction, what).hint("make it a fixed joint"));
     }
     match find_cycle(&copied) {
         None => Ok(copied),
         Some(circle) => {
             let names = list(circle.iter().map(|j| joints[*j].name.as_str()));
             let what = format!("mimic joints copy each other in a circle: {names}");
-            Err(fault(source, &joints[circle[0]], Code::MimicCycle, what)
+            Err(fault(source, &joints[circle[0]], Code::CoupleCycle, what)
                 .hint("one of them must move by itself"))
         }
     }

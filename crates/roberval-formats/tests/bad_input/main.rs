@@ -1,6 +1,7 @@
 //! Bad robot files: each gets its code and a message that says what, where and what
 //! would be right.
 
+mod couple_rows;
 mod hostile;
 mod toml_rows;
 mod urdf_rows;
@@ -46,6 +47,17 @@ fn bad_toml_links_are_refused_with_their_place() {
             row.1
         );
         check(row, parse_toml(&text, "r.toml"));
+    }
+}
+
+#[test]
+fn bad_couples_are_refused_with_their_place() {
+    let link = |name: &str| format!("[[link]]\nname = \"{name}\"\nalpha = 0\nd = 0.5\nr = 0\n");
+    let fixed = link("c") + "theta = 0\njoint = \"fixed\"\n";
+    let links = ["name = \"r\"\n", &link("a"), &link("b"), &fixed].concat();
+    for row in couple_rows::COUPLES {
+        // Keys of the last link come before a new table begins.
+        check(row, parse_toml(&(links.clone() + row.1), "r.toml"));
     }
 }
 

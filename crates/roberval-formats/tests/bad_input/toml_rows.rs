@@ -54,12 +54,6 @@ pub const FILES: &[Row] = &[
         &["r.toml:1:", "\"loop\""],
     ),
     (
-        "couple of a later version",
-        "[[couple]]\njoint = \"2\"\n",
-        "E130",
-        &["\"couple\""],
-    ),
-    (
         "name is a number",
         "name = 560\n",
         "E131",

@@ -338,8 +338,14 @@ pub const ROBOTS: &[Row] = &[
         &["decimal point"],
     ),
     (
-        "xyz with commas",
-        "<joint name='j' type='fixed'><parent link='a'/><child link='b'/><origin xyz='0, 1, 0'/></joint>",
+        "xyz with commas alone",
+        "<joint name='j' type='fixed'><parent link='a'/><child link='b'/><origin xyz='0,1,0'/></joint>",
+        "E105",
+        &["origin xyz"],
+    ),
+    (
+        "mass with a comma",
+        "<link name='c'><inertial><mass value='1,'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>",
         "E105",
         &["leave the comma out"],
     ),
@@ -404,10 +410,10 @@ pub const ROBOTS: &[Row] = &[
         &["origin rpy", "2 found"],
     ),
     (
-        "two origins",
-        "<joint name='j' type='fixed'><parent link='a'/><child link='b'/><origin/><origin/></joint>",
+        "two axes",
+        "<joint name='j' type='revolute'><parent link='a'/><child link='b'/><axis xyz='1 0 0'/><axis xyz='0 1 0'/></joint>",
         "E202",
-        &["a second <origin>"],
+        &["a second <axis>"],
     ),
     (
         "quaternion",
@@ -475,6 +481,24 @@ pub const ROBOTS: &[Row] = &[
         <joint name='k' type='revolute'><parent link='b'/><child link='c'/><mimic joint='j'/></joint>",
         "E230",
         &["\"j\", \"k\""],
+    ),
+    (
+        "mimic of a fixed joint",
+        "<link name='c'/><joint name='j' type='revolute'><parent link='a'/><child link='b'/><mimic joint='k'/></joint>\n\
+        <joint name='k' type='fixed'><parent link='b'/><child link='c'/></joint>",
+        "E211",
+        &[
+            "joint \"j\"",
+            "\"k\", which is fixed",
+            "make it a fixed joint",
+        ],
+    ),
+    (
+        "mimic multiplier 0",
+        "<link name='c'/><joint name='j' type='revolute'><parent link='a'/><child link='b'/><mimic joint='k' multiplier='0'/></joint>\n\
+        <joint name='k' type='revolute'><parent link='b'/><child link='c'/></joint>",
+        "E211",
+        &["joint \"j\"", "multiplier 0"],
     ),
     (
         "mimic multiplier NaN",

@@ -1,15 +1,14 @@
 //! Constant angles as points of the circle group of a prime field.
 
-use std::collections::HashMap;
-
 use num_bigint::BigInt;
 use num_integer::Integer;
 use num_rational::BigRational;
-use num_traits::{One, Signed, ToPrimitive, Zero};
-use roberval_mechanism::{Geometry, RobotDescription};
+use num_traits::ToPrimitive;
+use roberval_mechanism::{Geometry, JointKind, Mechanism, VariableLaw};
 use roberval_scalar::{Fp, LinearInPi, Modulus, Quantity, SplitMix64};
 
 use super::geometry::Rotation;
+use super::units::AngleUnits;
 
 /// Rotations of this order are always there: multiples of 3 degrees, and with them the
 /// square roots of 2, 3 and 5.
@@ -28,13 +27,13 @@ pub struct AngleOrder {
 }
 
 impl AngleOrder {
-    /// The least order that holds the description's rational multiples of pi (of those
+    /// The least order that holds the robot's rational multiples of pi (of those
     /// with unwieldy denominators, as many as fit).
     #[must_use]
-    pub fn of(robot: &RobotDescription) -> Self {
+    pub fn of(robot: &Mechanism) -> Self {
         let (mut order, mut needed) = (USUAL_ORDER, 1);
         for angle in angles(robot) {
-            let Some(turns) = LinearInPi::of(&angle.expr, &robot.constants) else {
+            let Some(turns) = LinearInPi::of(&angle.expr, &robot.description.constants) else {
                 continue;
             };
             let turns = turns.half_turns / BigInt::from(2);
@@ -55,6 +54,15 @@ impl AngleOrder {
         self.order
     }
 
+    /// How many n-th parts of a turn these half turns are, modulo n; `None` if no whole
+    /// number.
+    pub(crate) fn steps(self, half_turns: &BigRational) -> Option<u64> {
+        let order = BigInt::from(self.order);
+        let steps = half_turns * &order / BigInt::from(2);
+        let whole = steps.is_integer().then(|| steps.to_integer())?;
+        whole.mod_floor(&order).to_u64()
+    }
+
     /// Whether all rational angles are multiples of 90 degrees, so that their cosines
     /// and sines are whole.
     #[must_use]
@@ -70,11 +78,25 @@ impl AngleOrder {
     }
 }
 
-fn angles(robot: &RobotDescription) -> impl Iterator<Item = &Quantity> {
-    robot.links.iter().flat_map(|link| match &link.geometry {
-        Geometry::Mdh(g) => vec![&g.gamma, &g.alpha, &g.theta],
-        Geometry::Placed { origins, .. } => origins.iter().flat_map(|o| &o.rpy).collect(),
-    })
+/// The constant angles: those of the geometry, and those at which revolute joints stand
+/// where the ones that they follow stand at 0.
+pub(crate) fn angles(robot: &Mechanism) -> impl Iterator<Item = &Quantity> {
+    let links = robot
+        .description
+        .links
+        .iter()
+        .flat_map(|link| match &link.geometry {
+            Geometry::Mdh(g) => vec![&g.gamma, &g.alpha, &g.theta],
+            Geometry::Placed { origins, .. } => origins.iter().flat_map(|o| &o.rpy).collect(),
+        });
+    let laws = robot.closure.iter().flat_map(|closure| &closure.laws);
+    let offsets = laws
+        .zip(robot.moving())
+        .filter_map(|(law, link)| match law {
+            VariableLaw::Affine(law) if link.joint == JointKind::Revolute => Some(&law.offset),
+            _ => None,
+        });
+    links.chain(offsets)
 }
 
 /// A point of the circle from `t = tan(angle/2)`; `None` where `1 + t^2 = 0`.
@@ -103,120 +125,70 @@ pub(crate) fn power<'m>(mut a: Rotation<Fp<'m>>, mut exponent: u64) -> Rotation<
 }
 
 /// The angles of one robot in one field.
-pub(crate) struct Angles<'m> {
+pub(crate) struct Angles<'m, 'd> {
     modulus: &'m Modulus,
-    order: u64,
+    order: AngleOrder,
     /// A rotation of exactly that order.
     root: Rotation<Fp<'m>>,
-    /// A random rotation for each angle that has no exact one, by its size.
-    generic: HashMap<GenericAngle, Rotation<Fp<'m>>>,
-    random: SplitMix64,
-    /// The texts of the angles that have no exact rotation.
-    pub generic_texts: Vec<String>,
-    /// How many constant rotations are by such angles.
-    pub generic_rotations: usize,
+    pub units: AngleUnits<'d>,
+    /// A random rotation for each unit.
+    random: Vec<Rotation<Fp<'m>>>,
+    /// How often constant rotations take those, in all.
+    pub steps: u64,
 }
 
-/// What two literals must share to be the same generic angle.
-#[derive(PartialEq, Eq, Hash)]
-enum GenericAngle {
-    /// A number of radians, and a multiple of pi with an unwieldy denominator.
-    Exact(BigRational, BigRational),
-    /// The bits of the value, where the expression has no simpler form.
-    Value(u64),
-}
-
-impl<'m> Angles<'m> {
+impl<'m, 'd> Angles<'m, 'd> {
     /// `modulus` must be -1 modulo `order`.
     pub fn new(
         modulus: &'m Modulus,
+        robot: &'d Mechanism,
         order: AngleOrder,
         conjugate: u64,
-        mut random: SplitMix64,
+        random: &mut SplitMix64,
     ) -> Self {
-        let root = power(root_of_order(modulus, order.order, &mut random), conjugate);
+        let root = power(root_of_order(modulus, order.order, random), conjugate);
+        let units = AngleUnits::of(robot, order);
+        let points = units.units().iter().map(|_| random_point(modulus, random));
         Self {
             modulus,
-            order: order.order,
+            order,
             root,
-            generic: HashMap::new(),
-            random,
-            generic_texts: Vec::new(),
-            generic_rotations: 0,
+            random: points.collect(),
+            units,
+            steps: 0,
         }
     }
 
     /// The square roots of 2 and 3: twice the cosines of 45 and 30 degrees.
     pub fn roots(&self) -> [Fp<'m>; 2] {
-        [8, 12].map(|part| self.modulus.integer(2) * self.turn(self.order / part).0)
+        [8, 12].map(|part| self.modulus.integer(2) * self.turn(self.order.get() / part).0)
     }
 
     /// The order n of the finite rotations.
     pub fn order(&self) -> u64 {
-        self.order
+        self.order.get()
     }
 
     /// The rotation by `k / order` of a turn.
     pub fn turn(&self, k: u64) -> Rotation<Fp<'m>> {
-        power(self.root, k % self.order)
+        power(self.root, k % self.order())
     }
 
-    /// The rotation by an angle of the description.
-    pub fn rotation(
-        &mut self,
-        angle: &Quantity,
-        constants: &[(String, Quantity)],
-    ) -> Rotation<Fp<'m>> {
-        let Some(exact) = LinearInPi::of(&angle.expr, constants) else {
-            let size = GenericAngle::Value(angle.value.abs().to_bits());
-            return self.generic(size, angle.value < 0.0, angle);
+    /// The rotation by an angle of the description: whole steps of the finite order, then
+    /// whole steps of a unit.
+    pub fn rotation(&mut self, angle: &Quantity) -> Rotation<Fp<'m>> {
+        let parts = self.units.parts(angle);
+        let finite = self.turn(self.order.steps(&parts.half_turns).unwrap_or(0));
+        let Some((unit, steps)) = parts.multiple else {
+            return finite;
         };
-        let steps = &exact.half_turns * BigInt::from(self.order) / BigInt::from(2);
-        let whole = steps.is_integer();
-        let by_pi = if whole {
-            let steps = steps.to_integer().mod_floor(&BigInt::from(self.order));
-            self.turn(steps.to_u64().unwrap_or(0))
-        } else {
-            (self.modulus.integer(1), self.modulus.integer(0))
-        };
-        let rest = if whole {
-            BigRational::zero()
-        } else {
-            exact.half_turns
-        };
-        if exact.rational.is_zero() && rest.is_zero() {
-            return by_pi;
-        }
-        // Mirrored so that an angle and its negative are one literal.
-        let negative =
-            exact.rational.is_negative() || (exact.rational.is_zero() && rest.is_negative());
-        let sign = if negative {
-            -BigRational::one()
-        } else {
-            BigRational::one()
-        };
-        let size = GenericAngle::Exact(exact.rational * &sign, rest * &sign);
-        compose(by_pi, self.generic(size, negative, angle))
-    }
-
-    fn generic(
-        &mut self,
-        size: GenericAngle,
-        negative: bool,
-        angle: &Quantity,
-    ) -> Rotation<Fp<'m>> {
-        self.generic_rotations += 1;
-        let (modulus, random) = (self.modulus, &mut self.random);
-        let texts = &mut self.generic_texts;
-        let (cos, sin) = *self.generic.entry(size).or_insert_with(|| {
-            texts.push(angle.text.clone());
-            random_point(modulus, random)
-        });
-        (cos, if negative { -sin } else { sin })
+        self.steps += steps.unsigned_abs();
+        let (cos, sin) = power(self.random[unit], steps.unsigned_abs());
+        compose(finite, (cos, if steps < 0 { -sin } else { sin }))
     }
 }
 
-fn random_point<'m>(modulus: &'m Modulus, random: &mut SplitMix64) -> Rotation<Fp<'m>> {
+pub(crate) fn random_point<'m>(modulus: &'m Modulus, random: &mut SplitMix64) -> Rotation<Fp<'m>> {
     loop {
         if let Some(point) = circle_point(modulus.random(random)) {
             return point;

@@ -2,14 +2,15 @@
 //! are written here once.
 
 use roberval_mechanism::{
-    Geometry, JointKind, LinkDescription, MdhGeometry, Mechanism, Origin, ParameterSpace,
+    Geometry, JointKind, LinkDescription, MdhGeometry, Mechanism, Origin, ParameterSpace, Pose,
 };
 use roberval_scalar::{Quantity, Scalar};
 
+use super::closure::coupled;
 use crate::vector::{Mat3, Vec3, add, apply, dot, product, scale};
 use crate::{
-    Body, Constants, DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion, Layout, Model,
-    Tree, dynamics, energy,
+    Body, Constants, DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion, JointStates,
+    Layout, Model, Projected, Transmission, Tree, dynamics, energy,
 };
 
 /// Cosine and sine.
@@ -24,6 +25,12 @@ pub(crate) trait Numbers {
     fn rotation(&mut self, angle: &Quantity) -> Result<Rotation<Self::Number>, Self::Error>;
     /// A length, a component of an axis or of gravity.
     fn value(&mut self, quantity: &Quantity) -> Result<Self::Number, Self::Error>;
+    /// 1/|a| of an axis as written, whose squared length is `squared`.
+    fn inverse_length(
+        &mut self,
+        axis: &[Quantity; 3],
+        squared: Self::Number,
+    ) -> Result<Self::Number, Self::Error>;
 }
 
 /// The mechanism in these numbers.
@@ -34,13 +41,18 @@ pub(crate) fn tree<N: Numbers>(
     let description = &mechanism.description;
     let constants = numbers.constants();
     let mut build = Builder { numbers, constants };
+    let coupled = coupled(mechanism);
     let mut dof = 0;
     let mut bodies = Vec::with_capacity(mechanism.links.len());
     for link in &mechanism.links {
         let variable = (link.joint != JointKind::Fixed).then_some(dof);
         dof += usize::from(variable.is_some());
         let written = &description.links[link.in_file];
-        bodies.push(build.body(written, link.antecedent, variable)?);
+        let mut body = build.body(written, link.antecedent, variable)?;
+        if variable.is_some_and(|v| coupled[v]) {
+            build.normalise(written, &mut body)?;
+        }
+        bodies.push(body);
     }
     let gravity = build.vector(&description.gravity)?;
     Ok(Tree {
@@ -49,6 +61,17 @@ pub(crate) fn tree<N: Numbers>(
         constants,
         dof,
     })
+}
+
+/// The placement of a frame written like a URDF origin.
+pub(crate) fn pose<N: Numbers>(
+    origin: &Origin,
+    numbers: &mut N,
+) -> Result<Pose<N::Number>, N::Error> {
+    let constants = numbers.constants();
+    let mut build = Builder { numbers, constants };
+    let (rotation, origin) = build.chain(std::slice::from_ref(origin))?;
+    Ok(Pose { rotation, origin })
 }
 
 /// Rotation to the antecedent's frame and origin in it.
@@ -88,6 +111,20 @@ impl<N: Numbers> Builder<'_, N> {
             axis_squared: dot(axis, axis),
             layout: Layout::General,
         })
+    }
+
+    /// Gives the joint of a body an axis of length 1.
+    fn normalise(
+        &mut self,
+        link: &LinkDescription,
+        body: &mut Body<N::Number>,
+    ) -> Result<(), N::Error> {
+        if let Geometry::Placed { axis, .. } = &link.geometry {
+            let inverse = self.numbers.inverse_length(axis, body.axis_squared)?;
+            body.axis = scale(body.axis, inverse);
+            body.axis_squared = self.constants.one;
+        }
+        Ok(())
     }
 
     /// Rot(z, gamma) Trans(z, b) Rot(x, alpha) Trans(x, d) Rot(z, theta) Trans(z, r).
@@ -144,6 +181,8 @@ impl<N: Numbers> Builder<'_, N> {
 /// Working memory for the rows of a tree.
 #[derive(Debug, Clone)]
 pub struct RowsWorkspace<T> {
+    /// The joints of a mechanism with constraints, where they were last.
+    pub(super) joints: Option<JointStates<T>>,
     motion: Vec<JointMotion<T>>,
     dynamics: DynamicsWorkspace<T>,
     energy: EnergyWorkspace<T>,
@@ -152,29 +191,39 @@ pub struct RowsWorkspace<T> {
 impl<T: Scalar> RowsWorkspace<T> {
     pub(crate) fn new(tree: &Tree<T>) -> Self {
         Self {
+            joints: None,
             motion: Vec::with_capacity(tree.bodies.len()),
             dynamics: DynamicsWorkspace::new(tree),
             energy: EnergyWorkspace::new(tree),
         }
     }
 
-    /// The model's rows (rows of a sample x C) of bodies that move as `motion` says.
-    /// Rows of h are not yet differences.
+    /// The model's rows (rows of a sample x C) of bodies that move as `motion` says; with
+    /// G, those of the independent joints. Rows of h are not yet differences.
     pub(crate) fn fill(
         &mut self,
         tree: &Tree<T>,
         space: &ParameterSpace,
         model: Model,
         motion: impl FnMut(&Body<T>) -> JointMotion<T>,
+        transmission: Option<&Transmission<T>>,
         rows: &mut [T],
     ) {
         rows.fill(tree.constants.zero);
         self.motion.clear();
         self.motion.extend(tree.bodies.iter().map(motion));
         let mut sink = DenseRows { space, rows };
-        match model {
-            Model::D | Model::D0 => dynamics(tree, &self.motion, &mut self.dynamics, &mut sink),
-            Model::H => energy(tree, &self.motion, &mut self.energy, &mut sink),
+        match (model, transmission) {
+            (Model::H, _) => energy(tree, &self.motion, &mut self.energy, &mut sink),
+            (_, None) => dynamics(tree, &self.motion, &mut self.dynamics, &mut sink),
+            (_, Some(transmission)) => {
+                let inner = &mut sink;
+                let mut sink = Projected {
+                    transmission,
+                    inner,
+                };
+                dynamics(tree, &self.motion, &mut self.dynamics, &mut sink);
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 
+use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, ToPrimitive, Zero};
 use roberval_scalar::{Expr, Fp, LinearInPi, Quantity};
@@ -24,7 +25,11 @@ pub(crate) struct Lengths<'m, 'd> {
 
 impl<'m> Lengths<'m, '_> {
     /// The value of a quantity.
-    pub fn value(&self, quantity: &Quantity, angles: &Angles<'m>) -> Result<Fp<'m>, NotInField> {
+    pub fn value(
+        &self,
+        quantity: &Quantity,
+        angles: &Angles<'m, '_>,
+    ) -> Result<Fp<'m>, NotInField> {
         if let Some(exact) = LinearInPi::of(&quantity.expr, self.constants) {
             return Ok(
                 self.fraction(&exact.rational)? + self.fraction(&exact.half_turns)? * self.pi
@@ -37,6 +42,19 @@ impl<'m> Lengths<'m, '_> {
         self.expr(&quantity.expr, angles)
     }
 
+    /// The positive square root of a fraction.
+    pub fn length(
+        &self,
+        square: &BigRational,
+        angles: &Angles<'m, '_>,
+    ) -> Result<Fp<'m>, NotInField> {
+        let whole = |n: &BigInt| n.sqrt().pow(2) == *n;
+        if !(whole(square.numer()) && whole(square.denom())) {
+            self.roots.set(true);
+        }
+        self.root(square, angles)
+    }
+
     pub fn fraction(&self, x: &BigRational) -> Result<Fp<'m>, NotInField> {
         let numerator = self.modulus.big(x.numer());
         if x.is_integer() {
@@ -46,7 +64,7 @@ impl<'m> Lengths<'m, '_> {
         Ok(numerator * denominator.ok_or(NotInField::Inverse)?)
     }
 
-    fn expr(&self, expr: &Expr, angles: &Angles<'m>) -> Result<Fp<'m>, NotInField> {
+    fn expr(&self, expr: &Expr, angles: &Angles<'m, '_>) -> Result<Fp<'m>, NotInField> {
         let value = |e: &Expr| self.expr(e, angles);
         Ok(match expr {
             Expr::Number(decimal) => self.fraction(&decimal.to_rational())?,
@@ -71,7 +89,7 @@ impl<'m> Lengths<'m, '_> {
 
     /// `sqrt(n/d) = sqrt(n d)/d`, a product of square roots of primes, so that
     /// `sqrt(2) sqrt(3) = sqrt(6)` holds in the field too.
-    fn root(&self, square: &BigRational, angles: &Angles<'m>) -> Result<Fp<'m>, NotInField> {
+    fn root(&self, square: &BigRational, angles: &Angles<'m, '_>) -> Result<Fp<'m>, NotInField> {
         let whole = square.numer() * square.denom();
         let denominator = self.fraction(&BigRational::new(One::one(), square.denom().clone()))?;
         let Some(mut rest) = whole.to_u64().filter(|n| *n <= LARGEST_RADICAND) else {
@@ -97,7 +115,7 @@ impl<'m> Lengths<'m, '_> {
 
     /// The root of 2, 3 or 5 that the field's angles mean by cos 45, 30 and 36 degrees;
     /// of other primes, either root.
-    fn prime_root(&self, q: u64, angles: &Angles<'m>) -> Result<Fp<'m>, NotInField> {
+    fn prime_root(&self, q: u64, angles: &Angles<'m, '_>) -> Result<Fp<'m>, NotInField> {
         match q {
             2 => Ok(angles.roots()[0]),
             3 => Ok(angles.roots()[1]),

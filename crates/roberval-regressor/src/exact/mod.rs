@@ -1,17 +1,23 @@
 //! The recursion over a prime field: the robot's geometry exactly as written.
 //!
 //! Rational multiples of pi are powers of one rotation of finite order, lengths are
-//! fractions, joints stand at random rational points of the circle. What has no exact
-//! place in the field (the cosine of 0.3 rad) is a random value of its own: the answer
-//! is then that of the robot with a generic value there, and says so.
+//! fractions, joints stand at random rational points of the circle. Decimal angles are
+//! powers of one random rotation, which holds for the file as written; where they have too
+//! many digits for that, the answer is that of a robot with generic angles, and says so.
 
 mod angles;
+mod closure;
 mod geometry;
 mod lengths;
 mod model;
+mod named;
 mod precise;
+mod units;
 
 pub use angles::AngleOrder;
+pub use closure::{CouplePowers, coupled};
 pub use geometry::RowsWorkspace;
-pub use model::{ExactModel, ExactWorkspace, NotInField};
+pub use model::{ExactModel, ExactWorkspace, NotInField, Turn};
+pub use named::whole_multiple;
 pub use precise::PreciseModel;
+pub use units::{AngleParts, AngleUnit, AngleUnits};

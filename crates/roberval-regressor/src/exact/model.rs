@@ -1,11 +1,13 @@
 use std::cell::Cell;
 
 use roberval_mechanism::{JointKind, Mechanism, ParameterSpace};
-use roberval_scalar::{Fp, Modulus, Quantity, SplitMix64};
+use roberval_scalar::{Fp, LinearInPi, Modulus, Quantity, SplitMix64};
 
-use super::angles::{AngleOrder, Angles};
+use super::angles::{AngleOrder, Angles, compose, power};
+use super::closure::ExactClosure;
 use super::geometry::{Numbers, Rotation, RowsWorkspace, tree};
 use super::lengths::Lengths;
+use super::named::times;
 use crate::{Body, Constants, JointMotion, Model, Tree};
 
 /// A number of the description has no place in this field: try another prime.
@@ -22,14 +24,25 @@ pub enum NotInField {
     Inverse,
 }
 
+/// A constant's rotation in a prime field.
+#[derive(Debug, Clone)]
+pub struct Turn<'m> {
+    /// The constant's name.
+    pub name: String,
+    /// Cosine and sine.
+    pub rotation: (Fp<'m>, Fp<'m>),
+}
+
 /// A robot in a prime field: gives regressor rows at random states.
 #[derive(Debug, Clone)]
 pub struct ExactModel<'m> {
     modulus: &'m Modulus,
     tree: Tree<Fp<'m>>,
+    closure: Option<ExactClosure<'m>>,
     space: ParameterSpace,
     generic: Vec<String>,
-    rotations: usize,
+    algebraic: bool,
+    steps: u64,
     roots: [Fp<'m>; 2],
     has_roots: bool,
 }
@@ -49,11 +62,29 @@ impl<'m> ExactModel<'m> {
         conjugate: u64,
         seed: u64,
     ) -> Result<Self, NotInField> {
+        Self::with_turns(mechanism, modulus, order, conjugate, seed, &[])
+    }
+
+    /// The same with named angles turned further: an angle of the description in whose
+    /// expression one of these constants stands k times (once in `A`, -2 times in
+    /// `pi/2 - 2*A`) is turned k times by the constant's rotation. A symbol for an angle
+    /// is a constant of value 0 with a random rotation.
+    ///
+    /// # Errors
+    /// As [`ExactModel::new`].
+    pub fn with_turns(
+        mechanism: &Mechanism,
+        modulus: &'m Modulus,
+        order: AngleOrder,
+        conjugate: u64,
+        seed: u64,
+        turns: &[Turn<'m>],
+    ) -> Result<Self, NotInField> {
         let description = &mechanism.description;
         let mut random = SplitMix64::new(seed);
         let pi = modulus.random(&mut random);
         let mut numbers = FieldNumbers {
-            angles: Angles::new(modulus, order, conjugate, random),
+            angles: Angles::new(modulus, mechanism, order, conjugate, &mut random),
             lengths: Lengths {
                 modulus,
                 constants: &description.constants,
@@ -61,15 +92,24 @@ impl<'m> ExactModel<'m> {
                 roots: Cell::new(false),
             },
             half: modulus.integer(2).inverse().ok_or(NotInField::Inverse)?,
+            lengths_of_axes: Vec::new(),
+            turns,
         };
+        let tree = tree(mechanism, &mut numbers)?;
+        let closure = ExactClosure::of(mechanism, &mut numbers)?;
+        let mut generic = numbers.angles.units.generic();
+        generic.extend(numbers.lengths_of_axes);
+        generic.extend(closure.iter().flat_map(|c| c.generic_texts.clone()));
         Ok(Self {
             modulus,
-            tree: tree(mechanism, &mut numbers)?,
+            tree,
+            closure,
             space: mechanism.parameters(),
             roots: numbers.angles.roots(),
             has_roots: numbers.lengths.roots.get(),
-            generic: numbers.angles.generic_texts,
-            rotations: numbers.angles.generic_rotations,
+            generic,
+            algebraic: numbers.angles.units.units().is_empty(),
+            steps: numbers.angles.steps,
         })
     }
 
@@ -85,10 +125,16 @@ impl<'m> ExactModel<'m> {
         &self.tree
     }
 
-    /// The angles that stand for generic ones, as written.
+    /// The angles for which generic ones stand, as written.
     #[must_use]
     pub fn generic(&self) -> &[String] {
         &self.generic
+    }
+
+    /// Whether all angles are multiples of 2 pi/order, whose cosines are algebraic numbers.
+    #[must_use]
+    pub fn is_algebraic(&self) -> bool {
+        self.algebraic
     }
 
     /// The square root of 2 that the angles mean by cos 45 degrees.
@@ -111,10 +157,16 @@ impl<'m> ExactModel<'m> {
 
     /// An upper bound of the degree of a row's entries, denominators cleared, in the
     /// random values: a rotation enters at most three times, twice by `w x w` and once by
-    /// transport, each with degree 2 in its half-angle tangent; velocities add 2.
+    /// transport, each with degree 2 in its half-angle tangent (2 N for the N-th power of a
+    /// random one); velocities add 2. A joint that follows others at powers of their
+    /// rotations counts as often as these say.
     #[must_use]
-    pub fn degree(&self) -> usize {
-        6 * (self.tree.dof + self.rotations) + 2
+    pub fn degree(&self) -> u64 {
+        let joints = self
+            .closure
+            .as_ref()
+            .map_or(self.tree.dof as u64, ExactClosure::turns);
+        6 * (joints + self.steps) + 2
     }
 
     /// Fills `rows` (rows of a sample x C) at a random state. Rows of h are not yet
@@ -129,8 +181,26 @@ impl<'m> ExactModel<'m> {
         work: &mut ExactWorkspace<'m>,
         rows: &mut [Fp<'m>],
     ) {
-        let motion = |body: &Body<Fp<'m>>| self.motion(body, model, random);
-        work.fill(&self.tree, &self.space, model, motion, rows);
+        let rest = model == Model::D0;
+        let Some(closure) = &self.closure else {
+            let motion = |body: &Body<Fp<'m>>| self.free_motion(body, rest, random);
+            work.fill(&self.tree, &self.space, model, motion, None, rows);
+            return;
+        };
+        let constants = self.tree.constants;
+        let joints: Vec<&Body<Fp<'m>>> = self
+            .tree
+            .bodies
+            .iter()
+            .filter(|b| b.variable.is_some())
+            .collect();
+        let motions = closure.motions(constants, rest, random, |variable, qd, qdd, random| {
+            self.motion(joints[variable], qd, qdd, random)
+        });
+        let still = still(constants);
+        let motion = |body: &Body<Fp<'m>>| body.variable.map_or(still, |v| motions[v]);
+        let transmission = Some(&closure.transmission);
+        work.fill(&self.tree, &self.space, model, motion, transmission, rows);
     }
 
     /// Working memory for [`ExactModel::fill`].
@@ -139,12 +209,30 @@ impl<'m> ExactModel<'m> {
         RowsWorkspace::new(&self.tree)
     }
 
-    /// A random motion: a rational point of the circle for a revolute joint, in units of
+    /// A random motion of a joint by itself.
+    fn free_motion(
+        &self,
+        body: &Body<Fp<'m>>,
+        rest: bool,
+        random: &mut SplitMix64,
+    ) -> JointMotion<Fp<'m>> {
+        let zero = self.tree.constants.zero;
+        let motion = self.motion(body, zero, zero, random);
+        let mut draw = || self.modulus.random(random);
+        JointMotion {
+            qd: if rest { zero } else { draw() },
+            qdd: draw(),
+            ..motion
+        }
+    }
+
+    /// A random position: a rational point of the circle for a revolute joint, in units of
     /// its axis vector a: `t = tan(q/2)/|a|`.
     fn motion(
         &self,
         body: &Body<Fp<'m>>,
-        model: Model,
+        qd: Fp<'m>,
+        qdd: Fp<'m>,
         random: &mut SplitMix64,
     ) -> JointMotion<Fp<'m>> {
         let Constants { zero, one, .. } = self.tree.constants;
@@ -165,15 +253,26 @@ impl<'m> ExactModel<'m> {
             JointKind::Prismatic => q = draw(),
             JointKind::Fixed => {}
         }
-        let qd = if model == Model::D0 { zero } else { draw() };
         JointMotion {
             cos,
             sin,
             versine,
             q,
             qd,
-            qdd: draw(),
+            qdd,
         }
+    }
+}
+
+/// The motion of a fixed joint.
+fn still<T: Copy>(Constants { zero, one, .. }: Constants<T>) -> JointMotion<T> {
+    JointMotion {
+        cos: one,
+        sin: zero,
+        versine: zero,
+        q: zero,
+        qd: zero,
+        qdd: zero,
     }
 }
 
@@ -181,10 +280,13 @@ impl<'m> ExactModel<'m> {
 pub type ExactWorkspace<'m> = RowsWorkspace<Fp<'m>>;
 
 /// Literals as numbers of the field.
-struct FieldNumbers<'m, 'd> {
-    angles: Angles<'m>,
+pub(super) struct FieldNumbers<'m, 'd> {
+    turns: &'d [Turn<'m>],
+    angles: Angles<'m, 'd>,
     lengths: Lengths<'m, 'd>,
     half: Fp<'m>,
+    /// Lengths of axes whose root could be either.
+    lengths_of_axes: Vec<String>,
 }
 
 impl<'m> Numbers for FieldNumbers<'m, '_> {
@@ -200,10 +302,42 @@ impl<'m> Numbers for FieldNumbers<'m, '_> {
     }
 
     fn rotation(&mut self, angle: &Quantity) -> Result<Rotation<Fp<'m>>, NotInField> {
-        Ok(self.angles.rotation(angle, self.lengths.constants))
+        let mut rotation = self.angles.rotation(angle);
+        for turn in self.turns {
+            let times = times(&angle.expr, self.lengths.constants, &turn.name);
+            let (cos, sin) = power(turn.rotation, times.unsigned_abs());
+            rotation = compose(rotation, (cos, if times < 0 { -sin } else { sin }));
+        }
+        Ok(rotation)
     }
 
     fn value(&mut self, quantity: &Quantity) -> Result<Fp<'m>, NotInField> {
         self.lengths.value(quantity, &self.angles)
+    }
+
+    /// The positive root where the square is a fraction; elsewhere either.
+    fn inverse_length(
+        &mut self,
+        axis: &[Quantity; 3],
+        squared: Fp<'m>,
+    ) -> Result<Fp<'m>, NotInField> {
+        let one = self.lengths.modulus.integer(1);
+        if squared == one {
+            return Ok(one);
+        }
+        let component = |x: &Quantity| {
+            let exact = LinearInPi::of(&x.expr, self.lengths.constants)?;
+            exact.as_rational().map(|x| x * x)
+        };
+        let [x, y, z] = axis.each_ref().map(component);
+        let root = match (x, y, z) {
+            (Some(x), Some(y), Some(z)) => self.lengths.length(&(x + y + z), &self.angles)?,
+            _ => {
+                self.lengths_of_axes
+                    .push("the length of an axis".to_owned());
+                squared.sqrt().ok_or(NotInField::Root)?
+            }
+        };
+        root.inverse().ok_or(NotInField::Inverse)
     }
 }

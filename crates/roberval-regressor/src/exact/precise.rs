@@ -1,17 +1,19 @@
 //! The recursion in pairs of doubles: the robot as written, to about 100 bits.
 
-use roberval_mechanism::{JointKind, Mechanism, ParameterSpace};
-use roberval_scalar::{DoubleDouble, Quantity};
+use roberval_mechanism::{JointKind, Mechanism, Origin, ParameterSpace};
+use roberval_scalar::{DoubleDouble, Quantity, Real};
 
 use super::NotInField;
-use super::geometry::{Numbers, Rotation, RowsWorkspace, tree};
-use crate::{Body, Constants, JointMotion, Model, Tree};
+use super::geometry::{Numbers, Rotation, RowsWorkspace, pose, tree};
+use crate::loops::{LoopExpansion, precise_linkage};
+use crate::{Body, Constants, Expansion, JointMotion, Model, NoValue, Tree};
 
 /// A robot in double-double arithmetic: gives regressor rows at states near those asked
 /// for.
 #[derive(Debug, Clone)]
 pub struct PreciseModel {
     tree: Tree<DoubleDouble>,
+    expansion: Option<Expansion<DoubleDouble>>,
     space: ParameterSpace,
 }
 
@@ -24,8 +26,20 @@ impl PreciseModel {
         let mut numbers = Pairs {
             constants: &mechanism.description.constants,
         };
+        let mut tree = tree(mechanism, &mut numbers)?;
+        let expansion = match &mechanism.assembly {
+            None => Expansion::of(mechanism).map_err(|_| NotInField::Inverse)?,
+            Some(assembly) => {
+                tree.bodies.iter_mut().for_each(normalise);
+                let place = |origin: &Origin| pose(origin, &mut numbers);
+                let linkage = precise_linkage(mechanism, assembly, &tree, place)?;
+                let loops = LoopExpansion::new(assembly.clone(), linkage);
+                Some(Expansion::of_loops(loops))
+            }
+        };
         Ok(Self {
-            tree: tree(mechanism, &mut numbers)?,
+            tree,
+            expansion,
             space: mechanism.parameters(),
         })
     }
@@ -39,13 +53,18 @@ impl PreciseModel {
     /// Working memory for [`PreciseModel::fill`].
     #[must_use]
     pub fn workspace(&self) -> RowsWorkspace<DoubleDouble> {
-        RowsWorkspace::new(&self.tree)
+        let mut work = RowsWorkspace::new(&self.tree);
+        work.joints = self.expansion.as_ref().map(Expansion::states);
+        work
     }
 
-    /// Fills `rows` (rows of a sample x C, row-major) at the state `q`, `qd`, `qdd` (n
-    /// numbers each). A revolute joint stands at the point of the circle whose half-angle
-    /// tangent is the double next to that of q: exactly on the circle, nearly at q. Rows
-    /// of h are not yet differences.
+    /// Fills `rows` (rows of a sample x C, row-major) at the state `q`, `qd`, `qdd` of the
+    /// independent joints (m numbers each). Without constraints a revolute joint stands at
+    /// the point of the circle whose half-angle tangent is the double next to that of q:
+    /// exactly on the circle, nearly at q. Rows of h are not yet differences.
+    ///
+    /// # Errors
+    /// [`NoValue`] if the constraints have no value at this state.
     ///
     /// # Panics
     /// If a slice does not have its size.
@@ -55,13 +74,43 @@ impl PreciseModel {
         [q, qd, qdd]: [&[f64]; 3],
         work: &mut RowsWorkspace<DoubleDouble>,
         rows: &mut [DoubleDouble],
-    ) {
+    ) -> Result<(), NoValue> {
         let rest = model == Model::D0;
+        if let Some(expansion) = &self.expansion {
+            let exact = |x: &[f64]| x.iter().map(|&x| x.into()).collect::<Vec<DoubleDouble>>();
+            let velocities = if rest {
+                vec![0.0; qd.len()]
+            } else {
+                qd.to_vec()
+            };
+            let state = [exact(q), exact(&velocities), exact(qdd)];
+            let last = work.joints.take();
+            let mut all = last.unwrap_or_else(|| expansion.states());
+            expansion.expand(state.each_ref().map(|x| &x[..]), &mut all)?;
+            let motion = |body: &Body<DoubleDouble>| match body.variable {
+                None => still(),
+                Some(k) => precise_motion(body, [all.q[k], all.qd[k], all.qdd[k]]),
+            };
+            let transmission = Some(&all.transmission);
+            work.fill(&self.tree, &self.space, model, motion, transmission, rows);
+            work.joints = Some(all);
+            return Ok(());
+        }
         let motion = |body: &Body<DoubleDouble>| match body.variable {
             None => still(),
             Some(k) => motion(body, q[k], if rest { 0.0 } else { qd[k] }, qdd[k]),
         };
-        work.fill(&self.tree, &self.space, model, motion, rows);
+        work.fill(&self.tree, &self.space, model, motion, None, rows);
+        Ok(())
+    }
+}
+
+/// The joints of loops move in units of their axes, whose lengths must then be 1.
+fn normalise(body: &mut Body<DoubleDouble>) {
+    let length = body.axis_squared.sqrt();
+    if length.to_f64() > 0.0 {
+        body.axis = body.axis.map(|x| x / length);
+        body.axis_squared = DoubleDouble::ONE;
     }
 }
 
@@ -98,6 +147,28 @@ fn motion(body: &Body<DoubleDouble>, q: f64, qd: f64, qdd: f64) -> JointMotion<D
     motion
 }
 
+/// The same from positions in pairs of doubles.
+fn precise_motion(
+    body: &Body<DoubleDouble>,
+    [q, qd, qdd]: [DoubleDouble; 3],
+) -> JointMotion<DoubleDouble> {
+    let length = body.axis_squared.sqrt();
+    let mut motion = JointMotion {
+        qd: qd / length,
+        qdd: qdd / length,
+        ..still()
+    };
+    if body.joint == JointKind::Prismatic {
+        motion.q = q / length;
+        return motion;
+    }
+    let (cos, sin) = Real::cos_sin(q);
+    motion.cos = cos;
+    motion.sin = sin / length;
+    motion.versine = (DoubleDouble::ONE - cos) / body.axis_squared;
+    motion
+}
+
 /// Literals as pairs of doubles.
 struct Pairs<'d> {
     constants: &'d [(String, Quantity)],
@@ -121,5 +192,13 @@ impl Numbers for Pairs<'_> {
 
     fn value(&mut self, quantity: &Quantity) -> Result<DoubleDouble, NotInField> {
         DoubleDouble::of_expr(&quantity.expr, self.constants).ok_or(NotInField::Inverse)
+    }
+
+    fn inverse_length(
+        &mut self,
+        _: &[Quantity; 3],
+        squared: DoubleDouble,
+    ) -> Result<DoubleDouble, NotInField> {
+        Ok(DoubleDouble::ONE / squared.sqrt())
     }
 }

@@ -54,6 +54,7 @@ arithmetic!(
 
 impl Lanes for F64x2 {
     const COUNT: usize = 2;
+    const REGISTERS: usize = 32;
 
     #[inline(always)]
     fn load(from: &[f64]) -> Self {

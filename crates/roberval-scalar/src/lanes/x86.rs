@@ -110,6 +110,7 @@ arithmetic!(
 
 impl Lanes for F64x8 {
     const COUNT: usize = 8;
+    const REGISTERS: usize = 32;
 
     #[inline(always)]
     fn load(from: &[f64]) -> Self {

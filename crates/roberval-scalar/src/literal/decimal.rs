@@ -31,6 +31,18 @@ impl Decimal {
         }
     }
 
+    /// A whole number.
+    #[must_use]
+    pub fn integer(mut mantissa: BigInt) -> Self {
+        let ten = BigInt::from(10);
+        let mut exponent = 0;
+        while !mantissa.is_zero() && (&mantissa % &ten).is_zero() {
+            mantissa /= &ten;
+            exponent += 1;
+        }
+        Self { mantissa, exponent }
+    }
+
     /// Reads `[+-] digits [. digits] [e [+-] digits]`; one side of the point may be empty.
     ///
     /// # Errors

@@ -1,9 +1,10 @@
 use roberval_base::{BaseParameters, Engine};
 use roberval_mechanism::ParameterKind;
 
-use super::{Class, values};
-use crate::document::{Block, Column, Document, Item, Table};
-use crate::number::{scientific, shortest, size, without_dust};
+use super::{Class, rounded_values};
+use crate::couples;
+use crate::document::{Block, Column, Document, Item, Table, Tint};
+use crate::number::{scientific, shortest, size};
 use crate::relation::{self, Label};
 use crate::robot;
 
@@ -49,7 +50,9 @@ fn head(answer: &BaseParameters) -> Document {
             tally.base, tally.unchanged, tally.regrouped_into, tally.regrouped
         ),
     ];
+    lines.extend(couples::lines(&answer.mechanism));
     lines.extend(certainty(answer));
+    lines.extend(couples::removed(answer));
     let word = if diagnosis.clear { "note" } else { "doubt" };
     lines.extend(diagnosis.messages.iter().map(|m| format!("{word}: {m}")));
     vec![
@@ -84,11 +87,13 @@ fn certainty(answer: &BaseParameters) -> Vec<String> {
             structure.primes.len(),
             size(structure.failure_probability)
         ),
-        format!(
-            "Nullspace algorithm {}; in floats: {}",
-            structure.nullspace_rank,
-            witnesses.join(", ")
-        ),
+        match structure.nullspace_rank {
+            Some(rank) => format!(
+                "Nullspace algorithm {rank}; in floats: {}",
+                witnesses.join(", ")
+            ),
+            None => format!("In floats: {}", witnesses.join(", ")),
+        },
     ]
     .into_iter()
     .chain(cleaning(answer))
@@ -157,7 +162,9 @@ fn spectrum(answer: &BaseParameters) -> Document {
 
 fn spectrum_heading(engine: Engine) -> &'static str {
     match engine {
-        Engine::Qrii | Engine::Exact => "Diagonal |T_ii| of QR with column pivoting",
+        Engine::Qrii | Engine::Exact | Engine::Precise => {
+            "Diagonal |T_ii| of QR with column pivoting"
+        }
         Engine::Svd => "Singular values sigma_i",
         Engine::Qr => "Diagonal of QR: what the kept columns before it leave of each column",
     }
@@ -201,7 +208,11 @@ fn classification(answer: &BaseParameters) -> Document {
         let count = if link.rotor { 11 } else { 10 };
         let classes = &classes[first..first + count];
         let mut row = vec![Item::text(&link.name)];
-        row.extend((0..11).map(|k| Item::text(classes.get(k).map_or("", |c| c.mark()))));
+        row.extend((0..11).map(|k| {
+            classes
+                .get(k)
+                .map_or(Item::text(""), |c| Item::Mark(c.mark(), tint(*c)))
+        }));
         row.push(Item::Number(
             classes.iter().filter(|c| kept(c)).count().to_string(),
         ));
@@ -218,6 +229,15 @@ fn classification(answer: &BaseParameters) -> Document {
             folded: false,
         }),
     ]
+}
+
+fn tint(class: Class) -> Tint {
+    match class {
+        Class::NoEffect => Tint::Faint,
+        Class::Unchanged => Tint::Keep,
+        Class::RegroupedInto => Tint::Into,
+        Class::Regrouped => Tint::Away,
+    }
 }
 
 /// Table V: the relations and what stays out of them.
@@ -245,21 +265,14 @@ fn relations(answer: &BaseParameters) -> Document {
 
 /// Table III: X and XB.
 fn values_table(answer: &BaseParameters) -> Document {
-    let Some((x, xb)) = values(answer) else {
+    let Some(values) = rounded_values(answer) else {
         return Vec::new();
     };
-    let relations = answer.relations();
-    let rows = relations.iter().zip(&xb).map(|(relation, value)| {
-        let column = relation.base;
-        let terms = relation
-            .terms
-            .iter()
-            .map(|&(c, coefficient)| (coefficient * x[c]).abs());
-        let largest = terms.fold(x[column].abs(), f64::max);
+    let rows = values.into_iter().map(|(label, x, xb)| {
         vec![
-            Item::Label(Label::of_base(answer, column)),
-            Item::Number(shortest(x[column])),
-            Item::Number(shortest(without_dust(*value, largest))),
+            Item::Label(label),
+            Item::Number(shortest(x)),
+            Item::Number(shortest(xb)),
         ]
     });
     vec![

@@ -3,14 +3,16 @@ use roberval_mechanism::Change;
 use serde_json::{Map, Value, json};
 
 use super::values;
+use crate::couples;
 use crate::json::pretty;
 use crate::robot;
 
 /// The answer for programs: `"schema": 1`, keys in this order.
 pub(crate) fn json(answer: &BaseParameters) -> String {
     let value = json!({
-        "schema": 1,
+        "schema": crate::SCHEMA,
         "robot": robot::json(&answer.mechanism),
+        "constraints": couples::json(&answer.mechanism),
         "model": answer.model.name(),
         "engine": answer.engine.name(),
         "choice": choice(&answer.choice),
@@ -120,9 +122,17 @@ fn cleaning(answer: &BaseParameters) -> Value {
 
 fn structure(answer: &BaseParameters) -> Value {
     let structure = answer.diagnosis.structure.as_ref();
+    let space = answer.mechanism.parameters();
+    let labels = |columns: &[usize]| -> Vec<String> {
+        columns.iter().map(|&c| space.labels()[c].clone()).collect()
+    };
     json!(structure.map(|s| json!({
         "rank": s.rank,
         "nullspace_rank": s.nullspace_rank,
+        "opened": s.opened.as_ref().map(|o| json!({
+            "rank": o.rank,
+            "removed": labels(&o.removed),
+        })),
         "primes": s.primes.iter().map(u64::to_string).collect::<Vec<_>>(),
         "seeds": s.seeds.iter().map(u64::to_string).collect::<Vec<_>>(),
         "failure_probability": s.failure_probability,

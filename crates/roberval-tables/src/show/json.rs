@@ -1,10 +1,10 @@
-use roberval_mechanism::{Geometry, LinkDescription, Mechanism, SourceFormat};
+use roberval_mechanism::{Couple, Geometry, LinkDescription, Mechanism, SourceFormat};
 use roberval_scalar::Quantity;
 use serde_json::{Map, Value, json};
 
 use super::described;
 use crate::json::pretty;
-use crate::robot;
+use crate::{couples, robot};
 
 /// The robot for programs; numbers as written stand beside their values.
 pub(crate) fn json(mechanism: &Mechanism) -> String {
@@ -15,23 +15,28 @@ pub(crate) fn json(mechanism: &Mechanism) -> String {
         .iter()
         .map(|(name, x)| (name.clone(), quantity(x)))
         .collect();
+    let couples = &description.couples;
+    let couple = |link: &LinkDescription| couples.iter().find(|c| c.joint == link.name);
     let geometry: Vec<Value> = described(mechanism)
-        .map(|(_, link)| geometry(link))
+        .map(|(_, link)| geometry(link, couple(link)))
         .collect();
     pretty(&json!({
         "schema": 1,
         "robot": robot::json(mechanism),
         "source": match description.format {
             SourceFormat::Mdh => "mdh",
+            SourceFormat::Placed => "placed",
             SourceFormat::Urdf => "urdf",
         },
         "counts": {
             "links": mechanism.links.len(),
             "joint_variables": mechanism.dof(),
+            "independent": mechanism.independent(),
             "standard": space.len(),
         },
         "constants": constants,
         "geometry": geometry,
+        "constraints": couples::json(mechanism),
         "parameters": robot::parameters(mechanism, &space),
         "inertia": inertia(mechanism),
         "warnings": description.warnings,
@@ -42,7 +47,7 @@ fn quantity(x: &Quantity) -> Value {
     json!({"text": x.text, "value": x.value})
 }
 
-fn geometry(link: &LinkDescription) -> Value {
+fn geometry(link: &LinkDescription, couple: Option<&Couple>) -> Value {
     let three = |xs: &[Quantity; 3]| xs.each_ref().map(quantity).to_vec();
     let mut value = match &link.geometry {
         Geometry::Mdh(g) => json!({
@@ -72,13 +77,16 @@ fn geometry(link: &LinkDescription) -> Value {
     value["active"] = link.active.into();
     value["rotor"] = link.rotor.into();
     value["limits"] = json!(link.limits.map(|(lower, upper)| [lower, upper]));
-    value["mimic"] = match &link.mimic {
+    value["couple"] = match couple {
         None => Value::Null,
-        Some(mimic) => json!({
-            "joint": mimic.joint,
-            "multiplier": quantity(&mimic.multiplier),
-            "offset": quantity(&mimic.offset),
-        }),
+        Some(couple) => {
+            let terms = couple.terms.iter();
+            let terms = terms.map(|t| (t.joint.clone(), quantity(&t.multiplier)));
+            json!({
+                "equals": Value::Object(terms.collect()),
+                "offset": quantity(&couple.offset),
+            })
+        }
     };
     value
 }

@@ -47,6 +47,17 @@ fn rounded_only(robot: &Mechanism, model: Model, exact: &ExactDecision) -> (Vec<
     (doubles(&beta), error)
 }
 
+/// W over at least `rows` rows.
+fn w_of(
+    robot: &Mechanism,
+    model: Model,
+    rows: usize,
+    seed: u64,
+) -> Result<Vec<Vec<DoubleDouble>>, ExactError> {
+    let count = rows.div_ceil(model.rows(robot.independent())) + 1;
+    columns_of_w(robot, model, &Samples::draw(robot, count, seed)?)
+}
+
 #[test]
 fn rounding_gives_the_doubles_next_to_the_exact_fractions_and_surds() {
     let (mut compared, mut surds) = (0, 0);
@@ -101,7 +112,7 @@ fn relations_hold_at_fresh_samples() {
         let robot = robot(Angles::Oblique, seed);
         let model = Model::ALL[seed as usize % 3];
         let exact = decide(&robot, model, seed);
-        let w = columns_of_w(&robot, model, 50, 987_654).expect("evaluated");
+        let w = w_of(&robot, model, 50, 987_654).expect("evaluated");
         for (j, &gone) in exact.deleted.iter().enumerate() {
             let column: Vec<_> = exact
                 .beta
@@ -141,7 +152,7 @@ fn the_error_estimate_covers_the_error() {
     for seed in 0..60 {
         let robot = robot(Angles::Fifteens, seed);
         let exact = decide(&robot, Model::D, seed);
-        let w = columns_of_w(&robot, Model::D, 2 * robot.parameters().len(), 3).expect("evaluated");
+        let w = w_of(&robot, Model::D, 2 * robot.parameters().len(), 3).expect("evaluated");
         for (j, &gone) in exact.deleted.iter().enumerate() {
             let open: Vec<usize> = (0..exact.kept.len())
                 .filter(|&i| !exact.beta[i][j].is_zero())

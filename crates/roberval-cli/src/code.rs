@@ -1,0 +1,74 @@
+//! `roberval code`.
+
+use std::io::Write;
+
+use roberval_base::{Engine, Model, Options, base_parameters, robot_sha256};
+use roberval_code::{Code, Request};
+use roberval_mechanism::Mechanism;
+use roberval_tables as tables;
+
+use crate::arguments::CodeArgs;
+use crate::commands::{answer, verdict, warn};
+use crate::error::CliError;
+use crate::look::Look;
+use crate::robot::load;
+use crate::say;
+
+pub(crate) fn run(
+    args: &CodeArgs,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+    look: Look,
+) -> Result<i32, CliError> {
+    let options = Options {
+        model: Model::D,
+        engine: Engine::Exact,
+        choice: args.choice.choice()?,
+        tolerance: args.choice.tolerance(),
+        seed: args.choice.seed,
+        rows: None,
+    };
+    let mut doubts = Vec::new();
+    answer(&args.output, out, look, |format| {
+        let mechanism = load(&args.robot.robot, &args.robot.reading)?;
+        warn(&mechanism, err);
+        let standard: Vec<usize> = (0..mechanism.parameters().len()).collect();
+        let base = match args.parameters == "base" || args.counts {
+            true => {
+                let answer = base_parameters(&mechanism, &options)?;
+                if !answer.diagnosis.clear {
+                    doubts.clone_from(&answer.diagnosis.messages);
+                }
+                answer.base
+            }
+            false => standard.clone(),
+        };
+        if args.counts {
+            let codes = [&standard, &base].map(|columns| code(args, &mechanism, columns));
+            let [standard, base] = codes;
+            return Ok(tables::counts(&standard?, &base?, format));
+        }
+        let code = code(args, &mechanism, &base)?;
+        let (count, once) = (code.count(), code.count_once());
+        say(
+            err,
+            "note",
+            &format!(
+                "{} multiplications, {} additions, {} sines and cosines a state; {} and {} once for \
+                 a set of parameters",
+                count.mul, count.add, count.trig, once.mul, once.add
+            ),
+        );
+        Ok(code.text(args.lang, &robot_sha256(&mechanism)?))
+    })?;
+    Ok(verdict(&doubts, err))
+}
+
+fn code(args: &CodeArgs, mechanism: &Mechanism, columns: &[usize]) -> Result<Code, CliError> {
+    let request = Request {
+        what: args.what,
+        columns,
+        friction: args.friction,
+    };
+    Ok(Code::new(mechanism, &request)?)
+}

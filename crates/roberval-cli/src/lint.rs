@@ -1,0 +1,83 @@
+//! `roberval lint`: what is wrong or suspicious in robot files.
+
+use std::io::Write;
+
+use roberval_formats::{Finding, Rule, Severity, lint};
+use roberval_tables::{self as tables, FindingRow};
+
+use crate::arguments::LintArgs;
+use crate::commands::answer;
+use crate::error::CliError;
+use crate::look::Look;
+use crate::{BAD_INPUT, CLEAR, FOUND, say};
+
+/// Lists the findings of all files; one that cannot be read does not stop the others.
+pub(crate) fn run(
+    args: &LintArgs,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+    look: Look,
+) -> Result<i32, CliError> {
+    check_rules(&args.ignore)?;
+    let (mut findings, mut unread) = (Vec::new(), false);
+    for file in &args.files {
+        match lint(file) {
+            Ok(found) => findings.extend(found),
+            Err(error) => {
+                say(err, "error", &error.to_string());
+                unread = true;
+            }
+        }
+    }
+    findings.retain(|f| !args.ignore.contains(&f.rule.name()));
+    let rows: Vec<FindingRow> = findings.iter().map(row).collect();
+    answer(&args.output, out, look, |format| {
+        Ok(tables::lint(&rows, format))
+    })?;
+    let errors = findings
+        .iter()
+        .filter(|f| f.severity == Severity::Error)
+        .count();
+    let warnings = findings.len() - errors;
+    let files = args.files.len();
+    let s = if files == 1 { "" } else { "s" };
+    say(
+        err,
+        "note",
+        &format!("{errors} errors, {warnings} warnings in {files} file{s}"),
+    );
+    Ok(match (unread, findings.len()) {
+        (false, 0) => CLEAR,
+        (false, _) => FOUND,
+        (true, _) => BAD_INPUT,
+    })
+}
+
+/// Refuses names that no rule has; codes of errors are taken as they come.
+fn check_rules(ignored: &[String]) -> Result<(), CliError> {
+    let names = Rule::NAMED.map(Rule::name);
+    let code = |name: &str| name.starts_with('E') && name.len() == 4;
+    match ignored
+        .iter()
+        .find(|rule| !names.contains(rule) && !code(rule))
+    {
+        None => Ok(()),
+        Some(rule) => Err(CliError::Usage(format!(
+            "--ignore: there is no rule {rule:?}; rules are {} and codes such as E240",
+            names.join(", ")
+        ))),
+    }
+}
+
+fn row(finding: &Finding) -> FindingRow {
+    FindingRow {
+        file: finding.file.clone(),
+        line: finding.position.map(|p| p.line),
+        column: finding.position.map(|p| p.column),
+        severity: finding.severity.name(),
+        rule: finding.rule.name(),
+        what: finding.what.clone(),
+        remedy: finding.remedy.clone(),
+        line_of_text: finding.to_string(),
+    }
+}

@@ -1,0 +1,136 @@
+//! A program with its parameters and their names.
+
+use roberval_mechanism::{JointKind, Mechanism};
+
+use crate::names::identifier;
+use crate::program::{Count, Program};
+use crate::record::{What, record};
+
+/// What code is asked for.
+#[derive(Debug, Clone)]
+pub struct Request<'a> {
+    /// What it computes.
+    pub what: What,
+    /// The parameters it takes, columns of the mechanism's parameters: the base
+    /// parameters, or all. Those not named count as 0.
+    pub columns: &'a [usize],
+    /// Whether tau has friction: two parameters more a joint, Fv (viscous) and Fc
+    /// (Coulomb): `Fv qd + Fc sign(qd)`.
+    pub friction: bool,
+}
+
+/// Why there is no such code.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum CodeError {
+    /// Friction was asked of something else than tau.
+    #[error("friction is a part of tau only, not of {}", .0.name())]
+    Friction(What),
+    /// The robot's passive joints are found by iteration.
+    #[error(
+        "code is written for chains, trees and couples, not for loops given by cut joints: give the passive joints as couples"
+    )]
+    Loops,
+}
+
+/// Straight-line code of one model of a robot.
+#[derive(Debug, Clone)]
+pub struct Code {
+    /// What it computes.
+    pub what: What,
+    /// The robot's name as in its file.
+    pub robot: String,
+    /// The independent joint variables: the link that each moves, and whether by turning.
+    pub joints: Vec<(String, JointKind)>,
+    /// Names of the parameters it takes, or of the columns it gives.
+    pub parameters: Vec<String>,
+    /// Names of the links.
+    pub links: Vec<String>,
+    /// What need be done once for a set of parameters, if anything.
+    pub prepare: Option<Program>,
+    /// What is done at every state.
+    pub main: Program,
+}
+
+impl Code {
+    /// The code of a mechanism.
+    ///
+    /// # Errors
+    /// [`CodeError`] if the request makes no sense.
+    pub fn new(mechanism: &Mechanism, request: &Request<'_>) -> Result<Self, CodeError> {
+        let what = request.what;
+        if request.friction && what != What::Tau {
+            return Err(CodeError::Friction(what));
+        }
+        if mechanism.assembly.is_some() {
+            return Err(CodeError::Loops);
+        }
+        let program = record(mechanism, what, request.columns, request.friction);
+        let (prepare, main) = match program.divided() {
+            Some((prepare, main)) => (Some(prepare), main),
+            None => (None, program),
+        };
+        let space = mechanism.parameters();
+        let labels = request.columns.iter().map(|&c| space.labels()[c].clone());
+        let mut parameters: Vec<String> = labels.collect();
+        let moving = mechanism
+            .links
+            .iter()
+            .filter(|l| l.joint != JointKind::Fixed);
+        let moving: Vec<_> = moving.map(|l| (l.name.clone(), l.joint)).collect();
+        if request.friction {
+            let names = moving
+                .iter()
+                .flat_map(|(name, _)| ["Fv", "Fc"].map(|f| format!("{f}_{name}")));
+            parameters.extend(names);
+        }
+        let joints = match &mechanism.closure {
+            None => moving,
+            Some(closure) => closure
+                .independent
+                .iter()
+                .map(|&i| moving[i].clone())
+                .collect(),
+        };
+        Ok(Self {
+            what,
+            robot: mechanism.name.clone(),
+            joints,
+            parameters,
+            links: mechanism.links.iter().map(|l| l.name.clone()).collect(),
+            prepare,
+            main,
+        })
+    }
+
+    /// The name of the function: the robot's as an identifier, and what it computes.
+    #[must_use]
+    pub fn function(&self) -> String {
+        format!("{}_{}", identifier(&self.robot), self.what.name())
+    }
+
+    /// The shape of the result at one state.
+    #[must_use]
+    pub fn shape(&self) -> Vec<usize> {
+        self.what.shape(self.joints.len(), self.parameters.len())
+    }
+
+    /// The operations at every state.
+    #[must_use]
+    pub fn count(&self) -> Count {
+        self.main.count()
+    }
+
+    /// The operations that are done once for a set of parameters.
+    #[must_use]
+    pub fn count_once(&self) -> Count {
+        self.prepare
+            .as_ref()
+            .map_or_else(Count::default, Program::count)
+    }
+
+    /// The operations at every state, link by link.
+    #[must_use]
+    pub fn count_by_link(&self) -> Vec<Count> {
+        self.main.count_by_link(self.links.len())
+    }
+}

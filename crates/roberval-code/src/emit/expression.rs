@@ -1,0 +1,141 @@
+//! Nodes as expressions: what is used once stands where it is used, if that stays short.
+
+use crate::graph::{Op, Signed};
+use crate::program::{Input, Program};
+
+/// Longer expressions get a name.
+const LONGEST: usize = 72;
+
+/// One line of code.
+pub(super) enum Statement {
+    /// `name = text`
+    Let(String, String),
+    /// Sine and cosine of one angle: their names and the angle. Either may be unused.
+    Turn(Option<String>, Option<String>, String),
+}
+
+/// An expression, and how tightly it binds: 0 sums, 1 products, 2 all the rest.
+#[derive(Clone)]
+struct Text {
+    text: String,
+    level: u8,
+}
+
+impl Text {
+    fn atom(text: impl Into<String>) -> Self {
+        Self {
+            text: text.into(),
+            level: 2,
+        }
+    }
+
+    /// As an operand of something that binds this tightly.
+    fn at(&self, level: u8) -> String {
+        match self.level < level {
+            true => format!("({})", self.text),
+            false => self.text.clone(),
+        }
+    }
+}
+
+/// The statements of a program, then its outputs as expressions.
+pub(super) fn statements(
+    program: &Program,
+    (times, sign): (&str, &str),
+    input: impl Fn(Input) -> String,
+) -> (Vec<Statement>, Vec<String>) {
+    let uses = program.uses();
+    let mut lines = Vec::new();
+    let mut texts: Vec<Text> = Vec::with_capacity(program.nodes.len());
+    let mut turns = Turns::of(program);
+    for (at, op) in program.nodes.iter().enumerate() {
+        let text = |x: u32| &texts[x as usize];
+        let new = match *op {
+            Op::Constant(bits) => Text::atom(format!("{:?}", f64::from_bits(bits))),
+            Op::Input(k) => Text::atom(input(program.inputs[k as usize])),
+            Op::Cos(x) | Op::Sin(x) => {
+                let angle = text(x).text.clone();
+                Text::atom(turns.name(x, matches!(op, Op::Cos(_)), angle, &mut lines))
+            }
+            Op::Sign(x) => Text::atom(format!("{sign}({})", text(x).text)),
+            Op::Add(x, y) => Text {
+                text: format!("{} + {}", text(x).at(0), text(y).at(1)),
+                level: 0,
+            },
+            Op::Sub(x, y) => Text {
+                text: format!("{} - {}", text(x).at(0), text(y).at(1)),
+                level: 0,
+            },
+            Op::Mul(x, y) => Text {
+                text: format!("{} {times} {}", text(x).at(1), text(y).at(2)),
+                level: 1,
+            },
+        };
+        let named = op.operands().count() == 2 && (uses[at] > 1 || new.text.len() > LONGEST);
+        texts.push(match named {
+            true => {
+                let name = format!("t{at}");
+                lines.push(Statement::Let(name.clone(), new.text));
+                Text::atom(name)
+            }
+            false => new,
+        });
+    }
+    let output = |x: &Signed| {
+        let text = &texts[x.node as usize];
+        match x.negative {
+            true => format!("-{}", text.at(2)),
+            false => text.text.clone(),
+        }
+    };
+    let outputs = program.outputs.iter().map(output).collect();
+    (lines, outputs)
+}
+
+/// Sines and cosines, both of an angle at once.
+struct Turns {
+    /// Angles, with whether their sine and cosine are needed, and whether that is done.
+    angles: Vec<(u32, [bool; 2], bool)>,
+}
+
+impl Turns {
+    fn of(program: &Program) -> Self {
+        let mut angles: Vec<(u32, [bool; 2], bool)> = Vec::new();
+        for op in &program.nodes {
+            let (Op::Cos(x) | Op::Sin(x)) = *op else {
+                continue;
+            };
+            let at = angles.iter().position(|(angle, ..)| *angle == x);
+            let at = at.unwrap_or_else(|| {
+                angles.push((x, [false; 2], false));
+                angles.len() - 1
+            });
+            angles[at].1[usize::from(matches!(op, Op::Cos(_)))] = true;
+        }
+        Self { angles }
+    }
+
+    /// The name of a sine or cosine; the first one of an angle writes both.
+    fn name(
+        &mut self,
+        angle: u32,
+        cosine: bool,
+        text: String,
+        lines: &mut Vec<Statement>,
+    ) -> String {
+        let at = self.angles.iter().position(|(x, ..)| *x == angle);
+        let at = at.expect("every angle was seen before");
+        let names = [format!("s{}", at + 1), format!("c{}", at + 1)];
+        let (_, needed, done) = &mut self.angles[at];
+        if !*done {
+            *done = true;
+            let [s, c] = names.clone();
+            lines.push(Statement::Turn(
+                needed[0].then_some(s),
+                needed[1].then_some(c),
+                text,
+            ));
+        }
+        names[usize::from(cosine)].clone()
+    }
+}

@@ -1,0 +1,94 @@
+//! Relations in symbols and generated code, as Python reads them.
+
+use std::str::FromStr;
+
+use pyo3::prelude::*;
+use roberval_base::{BaseParameters, Choice, robot_sha256};
+use roberval_code::{Code, Language, Request, What};
+use roberval_symbolic::{Naming, SymbolicOptions, SymbolicRelations, symbolic_relations};
+use roberval_tables::{self as tables};
+
+use crate::calls::detached;
+use crate::errors::raise;
+use crate::options::rendering;
+
+/// The relations of a robot in symbols.
+#[pyclass(frozen, module = "roberval._core")]
+pub struct Symbolic {
+    answer: SymbolicRelations,
+}
+
+impl Symbolic {
+    /// Finds them with the choice of an answer.
+    pub fn of(py: Python<'_>, answer: &BaseParameters, all: bool) -> PyResult<Self> {
+        let order = match answer.choice {
+            Choice::Paper => None,
+            _ => answer.decision.as_ref().map(|d| d.order.clone()),
+        };
+        let options = SymbolicOptions {
+            model: answer.model,
+            naming: match all {
+                true => Naming::All,
+                false => Naming::Auto,
+            },
+            order,
+            seed: answer.seed,
+        };
+        let answer = detached(py, || symbolic_relations(&answer.mechanism, &options))?;
+        Ok(Self { answer })
+    }
+}
+
+#[pymethods]
+impl Symbolic {
+    fn render(&self, py: Python<'_>, format: &str) -> PyResult<String> {
+        let format = rendering(py, format)?;
+        Ok(tables::symbolic(&self.answer, format))
+    }
+
+    /// A Python module for SymPy.
+    fn sympy(&self) -> String {
+        tables::sympy(&self.answer)
+    }
+}
+
+/// Text, function name, parameters, shape and counts of generated code.
+pub type CodeRow = (
+    String,
+    String,
+    Vec<String>,
+    Vec<usize>,
+    [usize; 3],
+    [usize; 3],
+);
+
+/// The code of an answer's robot.
+pub fn code(
+    py: Python<'_>,
+    answer: &BaseParameters,
+    (language, what): (&str, &str),
+    standard: bool,
+    friction: bool,
+) -> PyResult<CodeRow> {
+    let refuse = |error: String| raise(py, "OptionError", &error);
+    let language = Language::from_str(language).map_err(|e| refuse(e.to_string()))?;
+    let what = What::from_str(what).map_err(|e| refuse(e.to_string()))?;
+    let all: Vec<usize> = (0..answer.parameters.len()).collect();
+    let request = Request {
+        what,
+        columns: if standard { &all } else { &answer.base },
+        friction,
+    };
+    let code = Code::new(&answer.mechanism, &request).map_err(|e| refuse(e.to_string()))?;
+    let hash = robot_sha256(&answer.mechanism).map_err(|e| refuse(e.to_string()))?;
+    let count = |c: roberval_code::Count| [c.mul, c.add, c.trig];
+    let text = py.detach(|| code.text(language, &hash));
+    Ok((
+        text,
+        code.function(),
+        code.parameters.clone(),
+        code.shape(),
+        count(code.count()),
+        count(code.count_once()),
+    ))
+}

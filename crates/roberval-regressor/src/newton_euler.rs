@@ -1,0 +1,258 @@
+//! The torques themselves: forces carried inward, one link after the other.
+//!
+//! Newton and Euler's recursion with what is known to make it cheap: the products of
+//! velocities are shared through U (Khalil and Kleinfinger 1987). Two identities more are
+//! used here. The points of a revolute joint's axis belong to both bodies, so that the
+//! column of U along the axis is the antecedent's, turned. And a distribution of mass along
+//! that axis belongs to either body: with the second moments `S = tr(J)/2 - J` the one
+//! along the axis can be the antecedent's, which leaves zeros.
+
+use roberval_mechanism::{JointKind, ParameterSpace};
+use roberval_scalar::Scalar;
+
+use crate::dynamics::{BodyState, acceleration_field};
+use crate::vector::{Mat3, Vec3, add, apply, apply_transposed, cross, dot, product, scale};
+use crate::{Body, JointMotion, Tree};
+
+/// What about a body is zero or one, which a scalar cannot be asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shape {
+    /// The coordinate axis along or against which a revolute joint's axis points.
+    pub along: Option<usize>,
+    /// Whether the constant rotation only permutes the axes and their signs.
+    pub right: bool,
+}
+
+impl Shape {
+    /// The shapes of a tree's bodies.
+    #[must_use]
+    pub fn of(tree: &Tree<f64>) -> Vec<Self> {
+        let whole = |x: &f64| *x == 0.0 || x.abs() == 1.0;
+        let shape = |body: &Body<f64>| Self {
+            along: match body.joint {
+                JointKind::Revolute => body.axis.iter().position(|x| x.abs() == 1.0),
+                _ => None,
+            },
+            right: body.rotation.iter().flatten().all(whole),
+        };
+        tree.bodies.iter().map(shape).collect()
+    }
+}
+
+/// The inertial parameters of a body as mass moments.
+#[derive(Debug, Clone, Copy)]
+struct Moments<T> {
+    /// Second moments: the integral of x x'.
+    second: Mat3<T>,
+    /// First moments.
+    first: Vec3<T>,
+    mass: T,
+}
+
+/// The force of a body and all it carries on its antecedent, and the moment about the
+/// body's origin, in the body's frame.
+#[derive(Debug, Clone, Copy)]
+struct Wrench<T> {
+    f: Vec3<T>,
+    n: Vec3<T>,
+}
+
+/// The torques d X by Newton and Euler's recursion: velocities outward, forces inward.
+/// The same function of X as [`crate::dynamics`] with the sink [`crate::Torques`].
+///
+/// `motion` and `shapes` have one entry a body, `x` one number a column of `space`;
+/// `regroup` moves mass between bodies as no motion can tell, which is worth it if X are
+/// base parameters; `turn` is called with a body's index when its turn begins, outward and
+/// again inward. Gives one torque (or force) a joint variable.
+pub fn newton_euler<T: Scalar>(
+    tree: &Tree<T>,
+    shapes: &[Shape],
+    motion: &[JointMotion<T>],
+    (space, x): (&ParameterSpace, &[T]),
+    regroup: bool,
+    mut turn: impl FnMut(usize),
+) -> Vec<T> {
+    let zero = tree.constants.zero;
+    let base = BodyState {
+        w: [zero; 3],
+        dw: [zero; 3],
+        a: tree.gravity.map(|g| -g),
+        u: [[zero; 3]; 3],
+    };
+    let mut states: Vec<BodyState<T>> = Vec::with_capacity(tree.bodies.len());
+    for (j, body) in tree.bodies.iter().enumerate() {
+        turn(j);
+        let parent = body.antecedent.map_or(&base, |a| &states[a]);
+        states.push(outward(body, shapes[j], &motion[j], parent));
+    }
+    let moments = moments(tree, shapes, space, x, regroup);
+    let still = Wrench {
+        f: [zero; 3],
+        n: [zero; 3],
+    };
+    let mut carried = vec![still; tree.bodies.len()];
+    let mut torques = vec![zero; tree.dof];
+    for (j, body) in tree.bodies.iter().enumerate().rev() {
+        turn(j);
+        let own = inertia_forces(&states[j], shapes[j], &moments[j]);
+        let (f, n) = (add(own.f, carried[j].f), add(own.n, carried[j].n));
+        if let Some(row) = body.variable {
+            let along = match body.joint {
+                JointKind::Prismatic => f,
+                _ => n,
+            };
+            torques[row] = dot(body.axis, along);
+            if body.rotor {
+                let ia = x[space.first_column(j) + 10];
+                torques[row] = torques[row] + ia * motion[j].qdd * body.axis_squared;
+            }
+        }
+        if let Some(a) = body.antecedent {
+            let (f, n) = (turned(body, &motion[j], f), turned(body, &motion[j], n));
+            carried[a].f = add(carried[a].f, f);
+            carried[a].n = add(carried[a].n, add(n, cross(lever(body, &motion[j]), f)));
+        }
+    }
+    torques
+}
+
+/// Velocities and accelerations from the antecedent's.
+fn outward<T: Scalar>(
+    body: &Body<T>,
+    shape: Shape,
+    motion: &JointMotion<T>,
+    parent: &BodyState<T>,
+) -> BodyState<T> {
+    // In the body's orientation before its joint has turned.
+    let before = |v: Vec3<T>| apply_transposed(&body.rotation, v);
+    let (w0, dw0) = (before(parent.w), before(parent.dw));
+    let mut a = before(add(parent.a, apply(&parent.u, lever(body, motion))));
+    let (velocity, acceleration) = (scale(body.axis, motion.qd), scale(body.axis, motion.qdd));
+    if body.joint != JointKind::Revolute {
+        let coriolis = cross(w0, velocity);
+        a = add(add(a, add(coriolis, coriolis)), acceleration);
+        let u = acceleration_field(w0, dw0);
+        return BodyState {
+            w: w0,
+            dw: dw0,
+            a,
+            u,
+        };
+    }
+    let turn = motion.rotation(body.axis);
+    let after = |v: Vec3<T>| apply_transposed(&turn, v);
+    let (a, turned) = (after(a), after(w0));
+    let w = add(turned, velocity);
+    let Some(k) = shape.along else {
+        let dw = add(add(after(dw0), cross(turned, velocity)), acceleration);
+        let u = acceleration_field(w, dw);
+        return BodyState { w, dw, a, u };
+    };
+    // The column of U along the axis is the antecedent's.
+    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+    let u0 = acceleration_field(w0, dw0);
+    let column = after([0, 1, 2].map(|row| u0[row][k]));
+    let mut dw = add(dw0, acceleration);
+    dw[j] = column[i] - w[i] * w[k];
+    dw[i] = w[j] * w[k] - column[j];
+    let mut u = acceleration_field(w, dw);
+    if shape.right {
+        u[k][k] = u0[k][k];
+    }
+    BodyState { w, dw, a, u }
+}
+
+/// The bodies' moments; with `regroup`, second moments along a revolute joint's axis, and
+/// those of bodies that do not turn against their antecedent, are the antecedent's.
+fn moments<T: Scalar>(
+    tree: &Tree<T>,
+    shapes: &[Shape],
+    space: &ParameterSpace,
+    x: &[T],
+    regroup: bool,
+) -> Vec<Moments<T>> {
+    let constants = tree.constants;
+    let of_body = |j: usize| {
+        let &[xx, xy, xz, yy, yz, zz, mx, my, mz, mass] = &x[space.first_column(j)..][..10] else {
+            unreachable!("ten parameters");
+        };
+        let half = |x: T| x * constants.half;
+        Moments {
+            second: [
+                [half(yy + zz - xx), -xy, -xz],
+                [-xy, half(xx + zz - yy), -yz],
+                [-xz, -yz, half(xx + yy - zz)],
+            ],
+            first: [mx, my, mz],
+            mass,
+        }
+    };
+    let mut moments: Vec<Moments<T>> = (0..tree.bodies.len()).map(of_body).collect();
+    for (j, body) in tree.bodies.iter().enumerate().rev().filter(|_| regroup) {
+        let mut moved = [[constants.zero; 3]; 3];
+        let second = &mut moments[j].second;
+        match (body.joint, shapes[j].along) {
+            (JointKind::Revolute, None) => continue,
+            (JointKind::Revolute, Some(k)) => {
+                std::mem::swap(&mut moved[k][k], &mut second[k][k]);
+            }
+            _ => std::mem::swap(&mut moved, second),
+        }
+        if let Some(antecedent) = body.antecedent {
+            let turned = product(&body.rotation, &moved).map(|row| apply(&body.rotation, row));
+            let second = &mut moments[antecedent].second;
+            *second = std::array::from_fn(|row| add(second[row], turned[row]));
+        }
+    }
+    moments
+}
+
+/// What the body's motion takes: `f = M a + U ms`, `n = J dw + w x J w + ms x a`; the
+/// moment is the skew part of U S.
+fn inertia_forces<T: Scalar>(
+    state: &BodyState<T>,
+    shape: Shape,
+    moments: &Moments<T>,
+) -> Wrench<T> {
+    let &BodyState { w, dw, a, ref u } = state;
+    let (s, ms) = (&moments.second, moments.first);
+    let k = shape.along.unwrap_or(2);
+    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+    let squares = w.map(|x| x * x);
+    let mut n = cross(ms, a);
+    n[i] = n[i] + u[k][i] * s[i][j] + u[k][j] * s[j][j] - u[j][k] * s[k][k] - u[j][i] * s[i][k]
+        + (squares[k] - squares[j]) * s[j][k];
+    n[j] = n[j] + u[i][j] * s[j][k] + u[i][k] * s[k][k] - u[k][i] * s[i][i] - u[k][j] * s[i][j]
+        + (squares[i] - squares[k]) * s[i][k];
+    n[k] = n[k]
+        + dw[k] * (s[i][i] + s[j][j])
+        + (w[i] * w[j]) * (s[i][i] - s[j][j])
+        + (squares[j] - squares[i]) * s[i][j]
+        + u[j][k] * s[i][k]
+        - u[i][k] * s[j][k];
+    Wrench {
+        f: add(apply(u, ms), scale(a, moments.mass)),
+        n,
+    }
+}
+
+/// The body's origin in the antecedent's frame.
+fn lever<T: Scalar>(body: &Body<T>, motion: &JointMotion<T>) -> Vec3<T> {
+    match body.joint {
+        JointKind::Prismatic => {
+            let shift = apply(&body.rotation, scale(body.axis, motion.q));
+            add(body.origin, shift)
+        }
+        _ => body.origin,
+    }
+}
+
+/// From the body's frame to the antecedent's: the joint's turn, then the constant one.
+/// One after the other, because each has more zeros than their product.
+fn turned<T: Scalar>(body: &Body<T>, motion: &JointMotion<T>, v: Vec3<T>) -> Vec3<T> {
+    let v = match body.joint {
+        JointKind::Revolute => apply(&motion.rotation(body.axis), v),
+        _ => v,
+    };
+    apply(&body.rotation, v)
+}

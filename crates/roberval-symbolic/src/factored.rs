@@ -1,0 +1,254 @@
+//! Polynomials as an engineer would write them.
+
+use std::collections::BTreeMap;
+
+use num_bigint::BigInt;
+use num_integer::Integer;
+use num_rational::BigRational;
+use num_traits::{One, Signed, Zero};
+
+use crate::polynomial::{Monomial, Polynomial, Variable};
+use crate::relations::Coefficient;
+
+/// How formulas are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Notation {
+    /// `2 R3`, `R4^2 - D4^2`.
+    Text,
+    /// `2 R_{3}`, `R_{4}^{2} - D_{4}^{2}`.
+    Latex,
+    /// `2*R3`, `R4**2 - D4**2`.
+    SymPy,
+}
+
+/// A coefficient, factored: sign, number and common variables before a sum.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Factored {
+    /// Whether it is to be subtracted.
+    pub negative: bool,
+    number: BigRational,
+    common: Vec<(Variable, u8)>,
+    below: Vec<(Variable, u8)>,
+    /// Terms with their signs, whole and without common factor; empty for 1.
+    sum: Vec<(BigInt, Vec<(Variable, u8)>)>,
+}
+
+impl Factored {
+    /// A coefficient of relations in these variables; `None` for an open one.
+    #[must_use]
+    pub fn of(coefficient: &Coefficient, variables: &[Variable]) -> Option<Self> {
+        let Coefficient::Quotient {
+            numerator,
+            denominator,
+        } = coefficient
+        else {
+            return None;
+        };
+        let polynomial = shortest(numerator, variables);
+        let common = common_monomial(&polynomial);
+        let number = content(&polynomial);
+        let negative = polynomial.terms.values().all(Signed::is_negative);
+        let named = |monomial: &[u8]| -> Vec<(Variable, u8)> {
+            let with = variables.iter().cloned().zip(monomial.iter().copied());
+            with.filter(|(_, e)| *e > 0).collect()
+        };
+        let mut sum: Vec<(BigInt, Vec<(Variable, u8)>)> = polynomial
+            .terms
+            .iter()
+            .map(|(monomial, coefficient)| {
+                let rest: Monomial = monomial.iter().zip(&common).map(|(e, c)| e - c).collect();
+                let whole = (coefficient / &number).to_integer();
+                (if negative { -whole } else { whole }, named(&rest))
+            })
+            .collect();
+        sum.sort_by_key(|(coefficient, factors)| (coefficient.is_negative(), order(factors)));
+        if matches!(&sum[..], [(c, factors)] if c.is_one() && factors.is_empty()) {
+            sum.clear();
+        }
+        Some(Self {
+            negative,
+            number,
+            common: named(&common),
+            below: named(denominator),
+            sum,
+        })
+    }
+
+    /// Whether it is 1 or -1.
+    #[must_use]
+    pub fn is_unit(&self) -> bool {
+        let bare = self.common.is_empty() && self.below.is_empty() && self.sum.is_empty();
+        bare && self.number.is_one()
+    }
+
+    /// Without its sign, as a factor of something behind it; empty for 1.
+    #[must_use]
+    pub fn text(&self, notation: Notation) -> String {
+        if self.is_unit() {
+            return String::new();
+        }
+        let mut factors: Vec<String> = Vec::new();
+        let numerator = self.number.numer();
+        if !numerator.is_one() {
+            factors.push(numerator.to_string());
+        }
+        factors.extend(self.common.iter().map(|f| notation.power(f)));
+        if !self.sum.is_empty() {
+            factors.push(format!("({})", notation.sum(&self.sum)));
+        }
+        if factors.is_empty() {
+            factors.push("1".to_owned());
+        }
+        let mut below: Vec<String> = Vec::new();
+        if !self.number.denom().is_one() {
+            below.push(self.number.denom().to_string());
+        }
+        below.extend(self.below.iter().map(|f| notation.power(f)));
+        let above = factors.join(notation.times());
+        match (&below[..], notation) {
+            ([], _) => above,
+            (_, Notation::Latex) => format!("\\frac{{{above}}}{{{}}}", below.join(" ")),
+            ([one], _) => format!("{above}/{one}"),
+            (_, _) => format!("{above}/({})", below.join(notation.times())),
+        }
+    }
+}
+
+/// Terms in the order of their variables' names, high powers first.
+fn order(factors: &[(Variable, u8)]) -> Vec<(String, std::cmp::Reverse<u8>)> {
+    let name = |variable: &Variable| match variable {
+        Variable::Length(name) | Variable::Cos(name) | Variable::Sin(name) => name.clone(),
+    };
+    let mut names: Vec<_> = factors
+        .iter()
+        .map(|(v, e)| (name(v), std::cmp::Reverse(*e)))
+        .collect();
+    names.sort();
+    names
+}
+
+impl Notation {
+    fn times(self) -> &'static str {
+        match self {
+            Self::Text | Self::Latex => " ",
+            Self::SymPy => "*",
+        }
+    }
+
+    /// A variable.
+    #[must_use]
+    pub fn variable(self, variable: &Variable) -> String {
+        match (self, variable) {
+            (_, Variable::Length(name)) => self.name(name),
+            (Self::Latex, Variable::Cos(name)) => format!("\\cos {}", self.name(name)),
+            (Self::Latex, Variable::Sin(name)) => format!("\\sin {}", self.name(name)),
+            (_, Variable::Cos(name)) => format!("cos({name})"),
+            (_, Variable::Sin(name)) => format!("sin({name})"),
+        }
+    }
+
+    fn name(self, name: &str) -> String {
+        if self != Self::Latex {
+            return name.to_owned();
+        }
+        let digits = name
+            .find(|c: char| c.is_ascii_digit())
+            .unwrap_or(name.len());
+        let (letters, index) = name.split_at(digits);
+        let greek = ["alpha", "gamma", "theta"].contains(&letters);
+        let index = index.replace('_', "\\_");
+        let head = match letters.len() {
+            1 => letters.to_owned(),
+            _ if greek => format!("\\{letters}"),
+            _ => format!("\\mathit{{{}}}", letters.replace('_', "\\_")),
+        };
+        match index.is_empty() {
+            true => head,
+            false => format!("{head}_{{{index}}}"),
+        }
+    }
+
+    fn power(self, (variable, exponent): &(Variable, u8)) -> String {
+        let base = self.variable(variable);
+        match (self, exponent, variable) {
+            (_, 1, _) => base,
+            (Self::Latex, e, Variable::Length(_)) => format!("{base}^{{{e}}}"),
+            (Self::Latex, e, Variable::Cos(name)) => format!("\\cos^{{{e}}} {}", self.name(name)),
+            (Self::Latex, e, Variable::Sin(name)) => format!("\\sin^{{{e}}} {}", self.name(name)),
+            (Self::Text, e, _) => format!("{base}^{e}"),
+            (Self::SymPy, e, _) => format!("{base}**{e}"),
+        }
+    }
+
+    fn sum(self, terms: &[(BigInt, Vec<(Variable, u8)>)]) -> String {
+        let mut text = String::new();
+        for (at, (coefficient, factors)) in terms.iter().enumerate() {
+            text += match (at, coefficient.is_negative()) {
+                (0, false) => "",
+                (0, true) => "-",
+                (_, false) => " + ",
+                (_, true) => " - ",
+            };
+            let mut pieces: Vec<String> = Vec::new();
+            if !coefficient.abs().is_one() || factors.is_empty() {
+                pieces.push(coefficient.abs().to_string());
+            }
+            pieces.extend(factors.iter().map(|f| self.power(f)));
+            text += &pieces.join(self.times());
+        }
+        text
+    }
+}
+
+/// The polynomial, or the same with `1 - sin^2` for squares of cosines, whichever has fewer
+/// terms; angle by angle.
+fn shortest(polynomial: &Polynomial, variables: &[Variable]) -> Polynomial {
+    let mut best = polynomial.clone();
+    for (at, variable) in variables.iter().enumerate() {
+        if matches!(variable, Variable::Cos(_)) {
+            let other = with_sines(&best, at);
+            if other.terms.len() < best.terms.len() {
+                best = other;
+            }
+        }
+    }
+    best
+}
+
+/// Replaces `cos^2` by `1 - sin^2` as long as there is one.
+fn with_sines(polynomial: &Polynomial, cosine: usize) -> Polynomial {
+    let mut terms: BTreeMap<Monomial, BigRational> = polynomial.terms.clone();
+    while let Some((monomial, coefficient)) = terms
+        .iter()
+        .find(|(m, _)| m[cosine] >= 2)
+        .map(|(m, c)| (m.clone(), c.clone()))
+    {
+        terms.remove(&monomial);
+        let mut one = monomial.clone();
+        one[cosine] -= 2;
+        let mut sine = one.clone();
+        sine[cosine + 1] += 2;
+        *terms.entry(one).or_insert_with(BigRational::zero) += &coefficient;
+        *terms.entry(sine).or_insert_with(BigRational::zero) -= &coefficient;
+    }
+    Polynomial::of(terms)
+}
+
+fn common_monomial(polynomial: &Polynomial) -> Monomial {
+    let mut monomials = polynomial.terms.keys();
+    let first = monomials.next().cloned().unwrap_or_default();
+    monomials.fold(first, |common, m| {
+        common.iter().zip(m).map(|(a, b)| *a.min(b)).collect()
+    })
+}
+
+/// The positive number such that all coefficients are whole multiples of it without a
+/// common divisor.
+fn content(polynomial: &Polynomial) -> BigRational {
+    let (mut numerator, mut denominator) = (BigInt::zero(), BigInt::one());
+    for coefficient in polynomial.terms.values() {
+        numerator = numerator.gcd(coefficient.numer());
+        denominator = denominator.lcm(coefficient.denom());
+    }
+    BigRational::new(numerator, denominator)
+}

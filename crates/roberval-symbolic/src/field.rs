@@ -1,0 +1,137 @@
+//! The exact engine at values of the symbols.
+
+use std::sync::Arc;
+
+use roberval_base::{Model, Run, eliminate};
+use roberval_mechanism::Mechanism;
+use roberval_regressor::{AngleOrder, ExactModel, NotInField, Turn};
+use roberval_scalar::{Fp, Modulus, Quantity, SplitMix64, random_prime};
+
+use crate::naming::{Named, SymbolKind};
+use crate::rules::{Origin, removed_by_rules};
+
+/// What each symbol is: a random number of the field, or as given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Value {
+    /// This length, or the angle whose half has this tangent.
+    Number(u64),
+    Given,
+}
+
+/// A robot with symbols, ready to be asked.
+pub(crate) struct Oracle<'a> {
+    pub named: &'a Named,
+    pub mechanism: Mechanism,
+    pub model: Model,
+    /// Columns in the order in which they are kept.
+    pub order: Vec<usize>,
+    /// What the angles that are no symbols need.
+    pub angles: AngleOrder,
+}
+
+impl Oracle<'_> {
+    /// A random prime field for this robot's numbers.
+    pub fn modulus(&self, random: &mut SplitMix64) -> Modulus {
+        Modulus::new(random_prime(self.angles.get(), random))
+    }
+
+    /// Random values of all symbols.
+    pub fn point(&self, modulus: &Modulus, random: &mut SplitMix64) -> Vec<Value> {
+        let symbols = self.named.symbols.iter();
+        symbols
+            .map(|_| Value::Number(modulus.random(random).residue()))
+            .collect()
+    }
+
+    /// What the engine says at these values.
+    pub fn ask(&self, modulus: &Modulus, at: &[Value], seed: u64) -> Result<Run, NotInField> {
+        self.at(modulus, at, seed, |mechanism, exact, random| {
+            eliminate(mechanism, self.model, &self.order, exact, seed, random)
+        })
+    }
+
+    /// Which rules remove columns at these values.
+    pub fn rules(
+        &self,
+        modulus: &Modulus,
+        at: &[Value],
+        seed: u64,
+    ) -> Result<Vec<(usize, Origin)>, NotInField> {
+        self.at(modulus, at, seed, |mechanism, exact, random| {
+            removed_by_rules(mechanism, exact, &self.order, random)
+        })
+    }
+
+    /// What `f` makes of the robot with these values of its symbols.
+    fn at<T>(
+        &self,
+        modulus: &Modulus,
+        at: &[Value],
+        seed: u64,
+        f: impl FnOnce(&Mechanism, &ExactModel<'_>, &mut SplitMix64) -> T,
+    ) -> Result<T, NotInField> {
+        let mut description = self.named.description.clone();
+        let mut turns = Vec::new();
+        for (symbol, value) in self.named.symbols.iter().zip(at) {
+            let Value::Number(value) = *value else {
+                continue;
+            };
+            let constant = description
+                .constants
+                .iter_mut()
+                .find(|(name, _)| *name == symbol.name)
+                .map(|(_, quantity)| quantity)
+                .expect("symbols are constants");
+            match symbol.kind {
+                SymbolKind::Length => *constant = integer(value),
+                SymbolKind::Angle => {
+                    *constant = Quantity::zero();
+                    let rotation = circle_point(modulus, value).ok_or(NotInField::Inverse)?;
+                    let name = symbol.name.clone();
+                    turns.push(Turn { name, rotation });
+                }
+            }
+        }
+        let mechanism = Mechanism {
+            description: Arc::new(description),
+            ..self.mechanism.clone()
+        };
+        let mut random = SplitMix64::new(seed);
+        let model_seed = random.next_u64();
+        // What the description's angles need, symbols being zero.
+        let exact =
+            ExactModel::with_turns(&mechanism, modulus, self.angles, 1, model_seed, &turns)?;
+        Ok(f(&mechanism, &exact, &mut random))
+    }
+
+    /// The values of the polynomials' variables at a point: lengths, then cosine and sine
+    /// of each angle.
+    pub fn variables<'m>(&self, modulus: &'m Modulus, at: &[Value]) -> Vec<Fp<'m>> {
+        let (mut lengths, mut angles) = (Vec::new(), Vec::new());
+        for (symbol, value) in self.named.symbols.iter().zip(at) {
+            let Value::Number(value) = *value else {
+                unreachable!("only random values are interpolated");
+            };
+            match symbol.kind {
+                SymbolKind::Length => lengths.push(modulus.element(value)),
+                SymbolKind::Angle => {
+                    let (cos, sin) = circle_point(modulus, value).expect("asked before");
+                    angles.extend([cos, sin]);
+                }
+            }
+        }
+        lengths.extend(angles);
+        lengths
+    }
+}
+
+fn integer(value: u64) -> Quantity {
+    Quantity::parse_decimal(&value.to_string()).expect("a whole number")
+}
+
+/// The point of the circle with tangent t of half its angle.
+fn circle_point(modulus: &Modulus, t: u64) -> Option<(Fp<'_>, Fp<'_>)> {
+    let (t, one) = (modulus.element(t), modulus.integer(1));
+    let inverse = (one + t * t).inverse()?;
+    Some(((one - t * t) * inverse, (t + t) * inverse))
+}

@@ -1,0 +1,270 @@
+//! Relations in symbols against the paper, the exact engine and the numbers.
+
+mod common;
+
+use common::{exact, relations, texts, with_random_lengths};
+use roberval_base::{ExactNumber, Model, Options, base_parameters, decide_exactly};
+use roberval_formats::load;
+use roberval_mechanism::{Mechanism, RobotDescription, SourceFormat};
+use roberval_scalar::SplitMix64;
+use roberval_symbolic::{Coefficient, Naming, Origin, SymbolicOptions, Variable};
+use roberval_testkit::{Angles, Family};
+
+/// Values of polynomials in doubles against beta in doubles.
+const TOLERANCE: f64 = 1e-9;
+
+fn built_in(name: &str) -> RobotDescription {
+    load(name).expect("a built-in robot")
+}
+
+/// Table V of Gautier 1991, with the corrections of its misprints.
+#[test]
+fn table_v_is_the_papers() {
+    let answer = relations(&built_in("puma560"), &SymbolicOptions::default());
+    let sum = |links: [u8; 3], factor: &str, sign: &str| {
+        links.map(|j| format!(" {sign} {factor} M_{j}")).concat()
+    };
+    let outer = |factor: &str, sign: &str| sum([4, 5, 6], factor, sign);
+    let expected = [
+        "ZZ_1 + Ia_1 + YY_2 + YY_3 + 2 R3 MZ_3 + (D3^2 + R3^2) M_3".to_owned()
+            + &outer("(D3^2 + D4^2 + R3^2)", "+"),
+        "XX_2 - YY_2 - D3^2 M_3".to_owned() + &outer("D3^2", "-"),
+        "XZ_2 - D3 MZ_3 - D3 R3 M_3".to_owned() + &outer("D3 R3", "-"),
+        "ZZ_2 + Ia_2 + D3^2 M_3".to_owned() + &outer("D3^2", "+"),
+        "MX_2 + D3 M_3".to_owned() + &outer("D3", "+"),
+        "XX_3 - YY_3 + YY_4 + 2 R4 MZ_4".to_owned() + &outer("(R4^2 - D4^2)", "+"),
+        "XY_3 - D4 MZ_4".to_owned() + &outer("D4 R4", "-"),
+        "ZZ_3 + YY_4 + 2 R4 MZ_4".to_owned() + &outer("(D4^2 + R4^2)", "+"),
+        "MX_3".to_owned() + &outer("D4", "+"),
+        "MY_3 + MZ_4".to_owned() + &outer("R4", "+"),
+        "XX_4 - YY_4 + YY_5".to_owned(),
+        "ZZ_4 + YY_5".to_owned(),
+        "MY_4 - MZ_5".to_owned(),
+        "XX_5 - YY_5 + YY_6".to_owned(),
+        "ZZ_5 + YY_6".to_owned(),
+        "MY_5 + MZ_6".to_owned(),
+        "XX_6 - YY_6".to_owned(),
+    ];
+    assert_eq!(texts(&answer), expected);
+    assert_eq!(answer.base.len(), 40);
+    assert!(answer.special.is_empty());
+    assert!(answer.verification.failure_probability < 1e-15);
+}
+
+/// beta of the exact engine at random rational lengths.
+fn agrees_with_exact_beta(name: &str, geometries: usize) {
+    let answer = relations(&built_in(name), &SymbolicOptions::default());
+    let order: Vec<usize> = (0..answer.parameters.len()).collect();
+    let mut random = SplitMix64::new(1991);
+    for _ in 0..geometries {
+        let (robot, at) = with_random_lengths(&answer, &mut random);
+        let mechanism = Mechanism::new(&robot).expect("a valid robot");
+        let decision = decide_exactly(&mechanism, Model::D, &order, 0).expect("a decision");
+        assert_eq!(decision.kept, answer.base, "{name}");
+        assert_eq!(decision.deleted, answer.regrouped, "{name}");
+        for (row, expected) in answer.beta.iter().zip(&decision.beta) {
+            for (coefficient, expected) in row.iter().zip(expected) {
+                let ExactNumber::Rational(expected) = expected else {
+                    panic!("{name}: {expected:?} is no fraction");
+                };
+                match coefficient {
+                    None => assert_eq!(*expected.numer(), 0.into(), "{name}"),
+                    Some(c) => assert_eq!(exact(c, &at), *expected, "{name}"),
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_pumas_relations_are_exact_beta_at_a_hundred_random_geometries() {
+    agrees_with_exact_beta("puma560", 100);
+}
+
+#[test]
+fn those_of_the_stanford_arm_too() {
+    agrees_with_exact_beta("stanford", 100);
+}
+
+#[test]
+fn those_of_the_scara_too() {
+    agrees_with_exact_beta("scara", 100);
+}
+
+#[test]
+fn those_of_a_tree_too() {
+    agrees_with_exact_beta("torso", 100);
+}
+
+#[test]
+fn those_of_the_parallelogram_of_the_sr400_too() {
+    agrees_with_exact_beta("sr400", 100);
+}
+
+/// A SCARA whose second joint stands on the first: two parameters fewer act.
+#[test]
+fn special_values_are_told_with_what_they_do() {
+    let mut robot = built_in("scara");
+    let generic = relations(&robot, &SymbolicOptions::default());
+    assert!(generic.special.is_empty());
+    robot.constants[0].1 = roberval_scalar::Quantity::zero();
+    let answer = relations(&robot, &SymbolicOptions::default());
+    // The relations are those of generic lengths all the same.
+    assert_eq!(answer.base, generic.base);
+    let mechanism = Mechanism::new(&robot).expect("a valid robot");
+    let order: Vec<usize> = (0..answer.parameters.len()).collect();
+    let decision = decide_exactly(&mechanism, Model::D, &order, 0).expect("a decision");
+    let [special] = &answer.special[..] else {
+        panic!("{:?}", answer.special);
+    };
+    assert_eq!(special.values, ["D2 = 0"]);
+    assert!(special.fewer > 0);
+    assert_eq!(special.fewer, answer.base.len() - decision.kept.len());
+}
+
+/// Generated chains and trees with made names: values at the given lengths and angles are
+/// beta in doubles wherever these are not special.
+#[test]
+fn at_the_given_values_they_are_the_relations_in_numbers() {
+    let (mut compared, mut with_angles) = (0, 0);
+    for seed in 0..40 {
+        let family = Family {
+            links: (2, 6),
+            angles: if seed % 2 == 0 {
+                Angles::Right
+            } else {
+                Angles::Mixed
+            },
+            format: if seed % 4 < 2 {
+                SourceFormat::Mdh
+            } else {
+                SourceFormat::Urdf
+            },
+            ..Family::default()
+        };
+        let robot = family.robot(seed);
+        let answer = relations(&robot, &SymbolicOptions::default());
+        if !answer.special.is_empty() {
+            continue;
+        }
+        let mechanism = Mechanism::new(&robot).expect("a valid robot");
+        let numbers = base_parameters(&mechanism, &Options::default()).expect("an answer");
+        assert_eq!(answer.base, numbers.base, "robot {seed}");
+        let given = |name: &str| {
+            let mut symbols = answer.named.symbols.iter();
+            symbols
+                .find(|s| s.name == name)
+                .expect("a symbol")
+                .given
+                .value
+        };
+        let at: Vec<f64> = answer
+            .variables
+            .iter()
+            .map(|variable| match variable {
+                Variable::Length(name) => given(name),
+                Variable::Cos(name) => given(name).cos(),
+                Variable::Sin(name) => given(name).sin(),
+            })
+            .collect();
+        with_angles += usize::from(
+            answer
+                .variables
+                .iter()
+                .any(|v| matches!(v, Variable::Cos(_))),
+        );
+        for (i, row) in answer.beta.iter().enumerate() {
+            for (j, coefficient) in row.iter().enumerate() {
+                let value = match coefficient {
+                    None => 0.0,
+                    Some(Coefficient::Open(_)) => continue,
+                    Some(Coefficient::Quotient {
+                        numerator,
+                        denominator,
+                    }) => {
+                        let below: f64 = denominator
+                            .iter()
+                            .zip(&at)
+                            .map(|(e, x)| x.powi(i32::from(*e)))
+                            .product();
+                        numerator.to_f64(&at) / below
+                    }
+                };
+                compared += 1;
+                let error = (value - numbers.beta[(i, j)]).abs();
+                assert!(
+                    error < TOLERANCE * (1.0 + value.abs()),
+                    "robot {seed}: {value}"
+                );
+            }
+        }
+    }
+    assert!(
+        compared > 1000 && with_angles > 5,
+        "{compared} {with_angles}"
+    );
+}
+
+#[test]
+fn all_lengths_get_names_on_request_and_where_there_are_none() {
+    let mut robot = built_in("puma560");
+    robot.constants.clear();
+    let mut number = 1;
+    for link in &mut robot.links {
+        if let roberval_mechanism::Geometry::Mdh(g) = &mut link.geometry {
+            for length in [&mut g.d, &mut g.r] {
+                if length.value != 0.0 {
+                    *length = roberval_testkit::decimal(number, -1);
+                    number += 1;
+                }
+            }
+        }
+    }
+    let names = |naming| {
+        let options = SymbolicOptions {
+            naming,
+            ..SymbolicOptions::default()
+        };
+        let symbols = relations(&robot, &options).named.symbols.into_iter();
+        symbols.map(|s| s.name).collect::<Vec<_>>()
+    };
+    assert_eq!(names(Naming::All), ["d3", "r3", "d4", "r4"]);
+    assert_eq!(names(Naming::Auto), ["d3", "r3", "d4", "r4"]);
+}
+
+/// Every removed parameter has an origin; on robots without couples of the catalogue the
+/// rules alone do it.
+#[test]
+fn the_closed_form_rules_explain_the_catalogues_chains_and_trees() {
+    for entry in roberval_formats::catalogue() {
+        let answer = relations(&built_in(entry.name), &SymbolicOptions::default());
+        let removed = answer.no_effect.len() + answer.regrouped.len();
+        assert_eq!(answer.origins.len(), removed, "{}", entry.name);
+        if answer.mechanism.closure.is_none() {
+            let left = answer
+                .origins
+                .iter()
+                .filter(|(_, o)| *o == Origin::Elimination);
+            assert_eq!(left.count(), 0, "{}", entry.name);
+        }
+    }
+}
+
+/// A rule that removes what it should not, or that no sample confirms, would be found by the
+/// rules' own check; what is counted here is how often elimination has to help.
+#[test]
+fn on_four_of_five_generated_chains_and_trees_the_rules_are_enough() {
+    let mut enough = 0;
+    for seed in 0..100 {
+        let family = Family {
+            links: (1, 7),
+            angles: [Angles::Right, Angles::Mixed][seed as usize % 2],
+            format: [SourceFormat::Mdh, SourceFormat::Urdf][seed as usize / 2 % 2],
+            ..Family::default()
+        };
+        let answer = relations(&family.robot(seed), &SymbolicOptions::default());
+        let by_rules = |(_, origin): &(usize, Origin)| *origin != Origin::Elimination;
+        enough += usize::from(answer.origins.iter().all(by_rules));
+    }
+    assert!(enough >= 80, "{enough} of 100");
+}

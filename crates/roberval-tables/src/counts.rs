@@ -1,0 +1,78 @@
+//! What generated code costs.
+
+use roberval_code::{Code, Count};
+use serde_json::{Value, json};
+
+use crate::document::{Block, Column, Document, Item, Table};
+use crate::json::pretty;
+
+/// Standard and reduced model side by side, link by link.
+pub(crate) fn document(standard: &Code, base: &Code) -> Document {
+    let mut columns = vec![Column::left("link")];
+    columns.extend(["mul", "add", "trig", "mul", "add", "trig"].map(Column::right));
+    let row = |name: &str, counts: [Count; 2]| {
+        let numbers = counts.into_iter().flat_map(|c| [c.mul, c.add, c.trig]);
+        let numbers = numbers.map(|n| Item::Number(n.to_string()));
+        std::iter::once(Item::text(name)).chain(numbers).collect()
+    };
+    let links = standard
+        .count_by_link()
+        .into_iter()
+        .zip(base.count_by_link());
+    let mut rows: Vec<Vec<Item>> = base
+        .links
+        .iter()
+        .zip(links)
+        .map(|(name, (a, b))| row(name, [a, b]))
+        .collect();
+    rows.push(row("a state", [standard.count(), base.count()]));
+    rows.push(row("once", [standard.count_once(), base.count_once()]));
+    let (a, b) = (standard.count().arithmetic(), base.count().arithmetic());
+    vec![
+        Block::Title(base.robot.clone()),
+        Block::Lines(vec![
+            format!("Operations of {}", base.what.name()),
+            format!(
+                "left: {} standard parameters, {a} multiplications and additions a state",
+                standard.parameters.len()
+            ),
+            format!(
+                "right: {} base parameters, {b} multiplications and additions a state",
+                base.parameters.len()
+            ),
+            "\"once\" is done once for a set of parameters, not at every state".to_owned(),
+        ]),
+        Block::Table(Table {
+            columns,
+            rows,
+            folded: false,
+        }),
+    ]
+}
+
+/// The same for programs.
+pub(crate) fn json(standard: &Code, base: &Code) -> String {
+    let count = |c: Count| json!({"mul": c.mul, "add": c.add, "trig": c.trig});
+    let model = |code: &Code| {
+        let by_link = code.count_by_link().into_iter().map(count);
+        let links: Vec<Value> = code
+            .links
+            .iter()
+            .zip(by_link)
+            .map(|(name, count)| json!({"link": name, "count": count}))
+            .collect();
+        json!({
+            "parameters": code.parameters,
+            "state": count(code.count()),
+            "once": count(code.count_once()),
+            "links": links,
+        })
+    };
+    pretty(&json!({
+        "schema": crate::SCHEMA,
+        "robot": base.robot,
+        "what": base.what.name(),
+        "standard": model(standard),
+        "reduced": model(base),
+    }))
+}

@@ -1,0 +1,349 @@
+//! Relations in symbols: `XXR_2 = XX_2 - YY_2 - D3^2 (M_3 + M_4)`.
+
+use roberval_symbolic::{Coefficient, Factored, Notation, Origin, SymbolKind, SymbolicRelations};
+use serde_json::{Map, Value, json};
+
+use crate::document::{Block, Document};
+use crate::json::pretty;
+use crate::number::size;
+use crate::relation::{Label, Term, pieces};
+use crate::{escape, latex, robot};
+
+/// `left = first + terms`.
+#[derive(Debug, Clone)]
+pub(crate) struct Formula {
+    left: Label,
+    first: Label,
+    /// The column of `first`.
+    base: usize,
+    groups: Vec<Group>,
+}
+
+/// Parameters of one kind with one coefficient.
+#[derive(Debug, Clone)]
+struct Group {
+    /// `None`: no polynomial; with the symbols it depends on.
+    coefficient: Result<Factored, Vec<String>>,
+    members: Vec<Label>,
+    columns: Vec<usize>,
+}
+
+impl Formula {
+    /// The formula as the pieces between which a line may break.
+    pub fn pieces(&self) -> Vec<String> {
+        let groups = self.groups.iter().map(|group| Term {
+            negative: group.negative(),
+            factor: group.factor(Notation::Text),
+            members: &group.members,
+        });
+        pieces(&self.left, &self.first, groups)
+    }
+
+    /// The formula in LaTeX.
+    pub fn latex(&self) -> String {
+        let mut text = format!(
+            "{} = {}",
+            latex::label(&self.left),
+            latex::label(&self.first)
+        );
+        for group in &self.groups {
+            let sign = if group.negative() { '-' } else { '+' };
+            let factor = match group.factor(Notation::Latex) {
+                factor if factor.is_empty() => factor,
+                factor => factor + "\\,",
+            };
+            text += &format!(" {sign} {factor}{}", latex::members(&group.members));
+        }
+        text
+    }
+
+    /// The right side for SymPy, with these names of the columns.
+    fn sympy(&self, names: &[String]) -> String {
+        let mut text = names[self.base].clone();
+        for group in &self.groups {
+            let sign = if group.negative() { '-' } else { '+' };
+            let members: Vec<&str> = group.columns.iter().map(|&c| names[c].as_str()).collect();
+            let sum = match &members[..] {
+                [one] => (*one).to_owned(),
+                _ => format!("({})", members.join(" + ")),
+            };
+            text += &match group.factor(Notation::SymPy) {
+                factor if factor.is_empty() => format!(" {sign} {sum}"),
+                factor => format!(" {sign} {factor}*{sum}"),
+            };
+        }
+        text
+    }
+}
+
+impl Group {
+    fn negative(&self) -> bool {
+        self.coefficient.as_ref().is_ok_and(|c| c.negative)
+    }
+
+    fn factor(&self, notation: Notation) -> String {
+        match &self.coefficient {
+            Ok(factored) => factored.text(notation),
+            Err(symbols) => {
+                let of = symbols.join(", ");
+                match notation {
+                    Notation::Latex => format!("f(\\text{{{}}})", escape::latex(&of)),
+                    _ => format!("f({of})"),
+                }
+            }
+        }
+    }
+}
+
+/// The relations that are not trivial.
+fn formulas(answer: &SymbolicRelations) -> Vec<Formula> {
+    let rows = answer.base.iter().zip(&answer.beta);
+    let rows = rows.filter(|(_, row)| row.iter().any(Option::is_some));
+    rows.map(|(&base, row)| Formula {
+        left: label(answer, base, true),
+        first: label(answer, base, false),
+        base,
+        groups: groups(answer, row),
+    })
+    .collect()
+}
+
+fn label(answer: &SymbolicRelations, column: usize, regrouped: bool) -> Label {
+    let id = answer.parameters.ids()[column];
+    Label {
+        kind: id.kind,
+        regrouped,
+        link: answer.mechanism.links[id.link].name.clone(),
+    }
+}
+
+/// Terms by kind in the paper's order; in a kind those of equal coefficient together, by
+/// link. Terms with coefficient 1 or -1 need no bracket and stand alone.
+fn groups(answer: &SymbolicRelations, row: &[Option<Coefficient>]) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    for (&column, coefficient) in answer.regrouped.iter().zip(row) {
+        let Some(coefficient) = coefficient else {
+            continue;
+        };
+        let member = label(answer, column, false);
+        let coefficient = match coefficient {
+            Coefficient::Open(symbols) => Err(symbols.clone()),
+            quotient => Factored::of(quotient, &answer.variables).ok_or_else(Vec::new),
+        };
+        let bracket = coefficient.as_ref().is_ok_and(|c| !c.is_unit());
+        let same = groups.iter_mut().find(|group| {
+            bracket && group.coefficient == coefficient && group.members[0].kind == member.kind
+        });
+        match same {
+            Some(group) => {
+                group.members.push(member);
+                group.columns.push(column);
+            }
+            None => groups.push(Group {
+                coefficient,
+                members: vec![member],
+                columns: vec![column],
+            }),
+        }
+    }
+    groups.sort_by_key(|group| group.members[0].kind);
+    groups
+}
+
+/// The answer for people.
+pub(crate) fn document(answer: &SymbolicRelations) -> Document {
+    let formulas = formulas(answer);
+    let mut lines = vec![robot::joints_and_gravity(&answer.mechanism)];
+    lines.extend(symbols(answer));
+    lines.push(format!(
+        "{} base parameters for generic values of the symbols; {} regrouped away, {} without effect",
+        answer.base.len(),
+        answer.regrouped.len(),
+        answer.no_effect.len()
+    ));
+    lines.push(format!(
+        "Verified at random values in {} prime fields, failure probability below {}",
+        answer.verification.primes.len(),
+        size(answer.verification.failure_probability)
+    ));
+    lines.extend(
+        answer
+            .named
+            .notes
+            .iter()
+            .map(|note| format!("note: {note}")),
+    );
+    lines.extend(specials(answer));
+    lines.extend(open(&formulas));
+    let mut blocks = vec![
+        Block::Title(answer.mechanism.name.clone()),
+        Block::Lines(lines),
+        Block::Heading("Relations".to_owned()),
+        Block::Formulas(formulas),
+        Block::Heading("Where they come from".to_owned()),
+    ];
+    blocks.extend(origins(answer).into_iter().map(|(origin, columns)| {
+        let labels = columns.iter().map(|&c| label(answer, c, false)).collect();
+        Block::List(format!("{origin}:"), labels)
+    }));
+    blocks
+}
+
+/// The parameters that go, by the rule or elimination that removes them.
+fn origins(answer: &SymbolicRelations) -> Vec<(Origin, Vec<usize>)> {
+    let mut all: Vec<(Origin, Vec<usize>)> = Vec::new();
+    for &(column, origin) in &answer.origins {
+        match all.iter_mut().find(|(o, _)| *o == origin) {
+            Some((_, columns)) => columns.push(column),
+            None => all.push((origin, vec![column])),
+        }
+    }
+    all.sort_by_key(|(origin, _)| *origin);
+    all
+}
+
+fn symbols(answer: &SymbolicRelations) -> Vec<String> {
+    let of = |kind: SymbolKind, word: &str| {
+        let symbols = answer.named.symbols.iter().filter(|s| s.kind == kind);
+        let listed: Vec<String> = symbols
+            .map(|s| format!("{} = {}", s.name, s.given))
+            .collect();
+        (!listed.is_empty()).then(|| format!("{word}: {}", listed.join(", ")))
+    };
+    let lengths = of(SymbolKind::Length, "Lengths in m");
+    lengths
+        .into_iter()
+        .chain(of(SymbolKind::Angle, "Angles"))
+        .collect()
+}
+
+fn specials(answer: &SymbolicRelations) -> Vec<String> {
+    let more = |count: usize| match count {
+        1 => "1 parameter more goes".to_owned(),
+        n => format!("{n} parameters more go"),
+    };
+    let special = answer.special.iter().map(|special| {
+        let without = match special.without_effect {
+            0 => String::new(),
+            n => format!(", {n} of them without effect"),
+        };
+        let values = special.values.join(", ");
+        format!(
+            "special values: with {values} {}{without}",
+            more(special.fewer)
+        )
+    });
+    special.collect()
+}
+
+fn open(formulas: &[Formula]) -> Option<String> {
+    let groups = formulas.iter().flat_map(|f| &f.groups);
+    let open = groups.filter(|g| g.coefficient.is_err()).count();
+    (open > 0).then(|| {
+        format!("{open} coefficients, written f(symbols), are no polynomials over a monomial; their values: base without --symbolic")
+    })
+}
+
+/// The answer for programs.
+pub(crate) fn json(answer: &SymbolicRelations) -> String {
+    let labels = answer.parameters.labels();
+    let names = sympy_names(answer);
+    let list =
+        |columns: &[usize]| -> Vec<&str> { columns.iter().map(|&c| labels[c].as_str()).collect() };
+    let symbols = answer.named.symbols.iter().map(|s| {
+        let kind = match s.kind {
+            SymbolKind::Length => "length",
+            SymbolKind::Angle => "angle",
+        };
+        json!({"name": s.name, "kind": kind, "given": s.given.text, "value": s.given.value})
+    });
+    let formulas = formulas(answer);
+    let relations = formulas.iter().map(|formula| {
+        let right = formula.pieces()[2..].join(" ");
+        let value =
+            json!({"text": right, "latex": formula.latex(), "sympy": formula.sympy(&names)});
+        (labels[formula.base].clone(), value)
+    });
+    let names: Map<String, Value> = labels
+        .iter()
+        .cloned()
+        .zip(names.iter().map(|n| json!(n)))
+        .collect();
+    let special = answer
+        .special
+        .iter()
+        .map(|s| json!({"values": s.values, "fewer": s.fewer, "without_effect": s.without_effect}));
+    let origins = answer.origins.iter();
+    let origins =
+        origins.map(|(column, origin)| (labels[*column].clone(), json!(origin.to_string())));
+    pretty(&json!({
+        "schema": crate::SCHEMA,
+        "robot": robot::json(&answer.mechanism),
+        "symbols": symbols.collect::<Vec<_>>(),
+        "notes": answer.named.notes,
+        "no_effect": list(&answer.no_effect),
+        "base": list(&answer.base),
+        "regrouped": list(&answer.regrouped),
+        "rank": answer.base.len(),
+        "relations": Value::Object(relations.collect()),
+        "sympy_names": names,
+        "origins": Value::Object(origins.collect()),
+        "special": special.collect::<Vec<_>>(),
+        "verification": {
+            "primes": answer.verification.primes.iter().map(u64::to_string).collect::<Vec<_>>(),
+            "failure_probability": answer.verification.failure_probability,
+        },
+    }))
+}
+
+/// Names of the parameters for SymPy: `ZZ_1`, or `ZZ_link1` where the link's name is no
+/// identifier.
+fn sympy_names(answer: &SymbolicRelations) -> Vec<String> {
+    let ids = answer
+        .parameters
+        .ids()
+        .iter()
+        .zip(answer.parameters.labels());
+    ids.map(|(id, label)| {
+        let plain = label.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        match plain {
+            true => label.clone(),
+            false => format!("{}_link{}", id.kind, id.link + 1),
+        }
+    })
+    .collect()
+}
+
+/// The relations as a Python module for SymPy.
+pub(crate) fn sympy(answer: &SymbolicRelations) -> String {
+    let (formulas, names) = (formulas(answer), sympy_names(answer));
+    let mut text = "from sympy import cos, sin, symbols\n\n".to_owned();
+    let symbols = answer.named.symbols.iter().map(|s| s.name.as_str());
+    text += &define(&symbols.collect::<Vec<_>>(), ", real=True");
+    let used = |c: &usize| {
+        let in_groups =
+            |f: &Formula| f.base == *c || f.groups.iter().any(|g| g.columns.contains(c));
+        formulas.iter().any(in_groups)
+    };
+    let used: Vec<&str> = (0..names.len())
+        .filter(used)
+        .map(|c| names[c].as_str())
+        .collect();
+    text += &define(&used, "");
+    text += "\nrelations = {\n";
+    for formula in &formulas {
+        text += &format!(
+            "    \"{}\": {},\n",
+            names[formula.base],
+            formula.sympy(&names)
+        );
+    }
+    text + "}\n"
+}
+
+fn define(names: &[&str], options: &str) -> String {
+    let lines = names
+        .iter()
+        .map(|name| format!("{name} = symbols(\"{name}\"{options})\n"));
+    lines.collect()
+}

@@ -1,0 +1,79 @@
+"""Robots from other programs' models, read by those programs' own libraries.
+
+Nothing here is imported before it is used, and each library is optional.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+from ..errors import MissingPackageError
+
+Kind = Literal["mjcf", "xacro"]
+
+HEAD = 1 << 16
+"""Bytes of a file in which its root element is looked for."""
+
+DESCRIPTION = re.compile(r"[a-z0-9_]+_description")
+"""Names of the package robot_descriptions."""
+
+
+class Text(NamedTuple):
+    """A robot as text that the core reads.
+
+    Attributes
+    ----------
+    kind : {"toml", "urdf"}
+    text : str
+    warnings : tuple of str
+        What was left out, for the user.
+    """
+
+    kind: str
+    text: str
+    warnings: tuple[str, ...] = ()
+
+
+def kind_of(path: Path) -> Kind | None:
+    """Tell MJCF and xacro from what the core reads itself, by their content."""
+    try:
+        with path.open("rb") as file:
+            head = file.read(HEAD).decode("utf-8", "replace")
+    except OSError:
+        return None
+    plain = re.sub(r"<!--.*?-->|<\?.*?\?>", "", head, flags=re.DOTALL)
+    root = re.match(r"\s*\ufeff?\s*<([\w:.-]+)([^>]*)", plain)
+    if root is None:
+        return None
+    if root[1] == "mujoco":
+        return "mjcf"
+    if root[1] == "robot" and (path.suffix == ".xacro" or re.search(r"<xacro:|\$\{", plain)):
+        return "xacro"
+    return None
+
+
+def described(name: str) -> Path | None:
+    """Find the file of a name of the package robot_descriptions, if it is installed."""
+    if not DESCRIPTION.fullmatch(name):
+        return None
+    from . import descriptions
+
+    return descriptions.file(name)
+
+
+def read(path: Path, kind: Kind) -> Text:
+    """Read a MJCF or xacro file."""
+    if kind == "mjcf":
+        from . import mujoco
+
+        return mujoco.from_file(path)
+    from . import xacro
+
+    return xacro.from_file(path)
+
+
+def missing(what: str, package: str) -> MissingPackageError:
+    """Say what to install."""
+    return MissingPackageError(f"{what} needs the package {package}: pip install {package}")

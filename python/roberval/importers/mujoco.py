@@ -1,0 +1,206 @@
+"""MuJoCo models.
+
+A body with several joints becomes several links, the first ones massless; a ball joint becomes
+three hinges; bodies without joints are lumped into their parents. The frame of a link lies at
+its joint, in the axes of its body.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..conventions import convention
+from ..errors import RobotError
+from . import Text, missing, placed
+from .placed import Couple, Link
+
+
+def library() -> Any:
+    """Import MuJoCo or say what to install."""
+    try:
+        import mujoco
+    except ImportError:
+        raise missing("reading MuJoCo models", "mujoco") from None
+    return mujoco
+
+
+def from_file(path: Path) -> Text:
+    """Read a MJCF file."""
+    mujoco = library()
+    try:
+        model = mujoco.MjModel.from_xml_path(str(path))
+    except ValueError as error:
+        raise RobotError(f"{path}: MuJoCo cannot read it: {error}") from None
+    return from_model(model, path.stem)
+
+
+def from_any(model: Any) -> Text:
+    """Read a MjModel, a MjSpec, MJCF text or the path of a MJCF file."""
+    mujoco = library()
+    if isinstance(model, (str, os.PathLike)):
+        text = os.fspath(model)
+        if not text.lstrip("\ufeff \t\r\n").startswith("<"):
+            path = Path(text)
+            if not path.is_file():
+                raise RobotError(f"{path}: there is no such file")
+            return from_file(path)
+        try:
+            model = mujoco.MjModel.from_xml_string(text)
+        except ValueError as error:
+            raise RobotError(f"MuJoCo cannot read the text: {error}") from None
+    if isinstance(model, mujoco.MjSpec):
+        model = model.compile()
+    if not isinstance(model, mujoco.MjModel):
+        raise RobotError(
+            "from_mujoco takes a MjModel, a MjSpec, MJCF text or a path,"
+            f" not {type(model).__name__}"
+        )
+    return from_model(model, "robot")
+
+
+def from_model(model: Any, fallback: str) -> Text:
+    """Write a model as robot TOML."""
+    reader = Reader(model)
+    for body in range(1, model.nbody):
+        reader.body(body)
+    couples = list(reader.couples())
+    names = bytes(model.names)
+    name = names[: names.index(b"\0")].decode("utf-8", "replace") or fallback
+    if name == "MuJoCo Model":
+        name = fallback
+    text = placed.toml(name, model.opt.gravity, reader.links, couples)
+    return Text("toml", text, tuple(reader.warnings))
+
+
+class Reader:
+    """What has been read: links, and where each body is on them."""
+
+    def __init__(self, model: Any) -> None:
+        self.mujoco = library()
+        self.model = model
+        self.links: list[Link] = []
+        self.by_joint: dict[int, Link] = {}
+        self.warnings: list[str] = []
+        self.taken: set[str] = set()
+        # The link that a body belongs to, and the body's frame on it.
+        self.place: dict[int, tuple[Link | None, Array, Array]] = {
+            0: (None, np.eye(3), np.zeros(3))
+        }
+
+    def name(self, kind: str, index: int) -> str:
+        """Return the name of an object, or one made of its number."""
+        objects = {
+            "body": self.mujoco.mjtObj.mjOBJ_BODY,
+            "joint": self.mujoco.mjtObj.mjOBJ_JOINT,
+            "equality": self.mujoco.mjtObj.mjOBJ_EQUALITY,
+        }
+        return self.mujoco.mj_id2name(self.model, objects[kind], index) or f"{kind}{index}"
+
+    def body(self, body: int) -> None:
+        """Add the links of a body, or lump it into its parent."""
+        model = self.model
+        link, rotation, origin = self.place[int(model.body_parentid[body])]
+        origin = origin + rotation @ model.body_pos[body]
+        rotation = rotation @ matrix(model.body_quat[body])
+        name = self.name("body", body)
+        steps = list(self.steps(body))
+        for number, (joint, kind, axis, anchor, suffix) in enumerate(steps):
+            last = number + 1 == len(steps)
+            joint_name = self.name("joint", joint) + suffix
+            link = Link(
+                name=placed.unique(name if last else f"{name}/{joint_name}", self.taken),
+                antecedent=None if link is None else link.name,
+                joint=kind,
+                joint_name=joint_name,
+                rotation=rotation,
+                origin=origin + rotation @ anchor,
+                axis=axis,
+                armature=float(model.dof_armature[model.jnt_dofadr[joint]]),
+            )
+            self.links.append(link)
+            if not suffix:
+                self.by_joint[joint] = link
+            rotation, origin = np.eye(3), -anchor
+        self.place[body] = (link, rotation, origin)
+        if link is not None:
+            link.inertia = link.inertia + placed.moved(inertia(model, body), rotation, origin)
+
+    def steps(self, body: int) -> Iterator[tuple[int, str, Array, Array, str]]:
+        """Give joint, kind, axis, anchor and name's ending of each single motion of a body."""
+        model, types = self.model, self.mujoco.mjtJoint
+        start = int(model.body_jntadr[body])
+        for joint in range(start, start + int(model.body_jntnum[body])):
+            kind, axis = model.jnt_type[joint], model.jnt_axis[joint].copy()
+            anchor = model.jnt_pos[joint].copy()
+            if kind == types.mjJNT_HINGE:
+                yield joint, "revolute", axis, anchor, ""
+            elif kind == types.mjJNT_SLIDE:
+                yield joint, "prismatic", axis, anchor, ""
+            elif kind == types.mjJNT_BALL:
+                self.warnings.append(
+                    f"ball joint {self.name('joint', joint)!r} is taken as three hinges"
+                )
+                for ending, direction in zip(("_x", "_y", "_z"), np.eye(3), strict=True):
+                    yield joint, "revolute", direction, anchor, ending
+            else:
+                self.warnings.append(
+                    f"free joint {self.name('joint', joint)!r} of body"
+                    f" {self.name('body', body)!r}: the body is held still as the base"
+                )
+
+    def couples(self) -> Iterator[Couple]:
+        """Give the equality constraints that couples hold; the others are warned of."""
+        model, kinds = self.model, self.mujoco.mjtEq
+        for number in range(model.neq):
+            name = self.name("equality", number)
+            kind = model.eq_type[number]
+            first, second = int(model.eq_obj1id[number]), int(model.eq_obj2id[number])
+            if not model.eq_active0[number]:
+                self.warnings.append(f"equality {name!r} is not active: left out")
+                continue
+            if kind != kinds.mjEQ_JOINT or second < 0:
+                what = self.mujoco.mjtEq(kind).name.removeprefix("mjEQ_").lower()
+                self.warnings.append(
+                    f"equality {name!r} ({what}) is not applied: the joints move freely"
+                )
+                continue
+            offset, slope, *higher = model.eq_data[number][:5].tolist()
+            ends = self.by_joint.get(first), self.by_joint.get(second)
+            if any(higher) or slope == 0 or None in ends:
+                self.warnings.append(
+                    f"equality {name!r} is no straight line between two single joints: not applied"
+                )
+                continue
+            dependent, free = ends
+            assert dependent is not None
+            assert free is not None
+            yield Couple(dependent.name, {free.name: slope}, offset)
+
+
+def matrix(quaternion: Array) -> Array:
+    """Return the rotation of a quaternion w x y z."""
+    w, x, y, z = quaternion / np.linalg.norm(quaternion)
+    return np.array(
+        [
+            [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
+        ]
+    )
+
+
+def inertia(model: Any, body: int) -> Array:
+    """Return the ten parameters of a body about its own frame."""
+    numbers = [
+        model.body_mass[body],
+        *model.body_ipos[body],
+        *model.body_iquat[body],
+        *model.body_inertia[body],
+    ]
+    return convention("mujoco").to_paper(numbers)

@@ -1,0 +1,111 @@
+"""Relations in symbols."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from . import _core
+from .errors import MissingPackageError
+from .rendering import Rendered
+
+if TYPE_CHECKING:
+    import sympy
+
+
+class SymbolicRelations(Rendered, Mapping[str, str]):
+    """The relations that are not trivial, in symbols: base parameter -> its sum.
+
+    ``symbolic["XX_2"]`` is ``"XX_2 - YY_2 - D3^2 (M_3 + M_4 + M_5 + M_6)"``. They hold for
+    generic values of the symbols; `special` tells where the given values are not. Immutable.
+
+    Made by `BaseParameters.relations_symbolic`.
+    """
+
+    __slots__ = ("_content",)
+
+    _inner: _core.Symbolic
+    _content: dict[str, Any]
+
+    def __init__(self) -> None:
+        raise TypeError("make SymbolicRelations with BaseParameters.relations_symbolic")
+
+    @classmethod
+    def _of(cls, core: _core.Symbolic) -> SymbolicRelations:
+        answer = object.__new__(cls)
+        answer._inner = core
+        answer._content = json.loads(core.render("json"))
+        return answer
+
+    def __getitem__(self, label: str) -> str:
+        text: str = self._content["relations"][label]["text"]
+        return text
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._content["relations"])
+
+    def __len__(self) -> int:
+        return len(self._content["relations"])
+
+    def __str__(self) -> str:
+        return "\n".join(f"{label}: {text}" for label, text in self.items())
+
+    @property
+    def rank(self) -> int:
+        """The number of base parameters for generic values of the symbols."""
+        rank: int = self._content["rank"]
+        return rank
+
+    @property
+    def symbols(self) -> Mapping[str, float]:
+        """The symbols and their values as given (m or rad)."""
+        return MappingProxyType({s["name"]: s["value"] for s in self._content["symbols"]})
+
+    @property
+    def latex(self) -> Mapping[str, str]:
+        """The relations as formulas of LaTeX."""
+        relations = self._content["relations"].items()
+        return MappingProxyType({label: forms["latex"] for label, forms in relations})
+
+    @property
+    def origins(self) -> Mapping[str, str]:
+        """The rule or elimination that removes each parameter which is not kept."""
+        return MappingProxyType(self._content["origins"])
+
+    @property
+    def special(self) -> tuple[tuple[tuple[str, ...], int], ...]:
+        """Given values at which the rank is lower: ``D3 = 0`` and how many parameters more go."""
+        return tuple((tuple(s["values"]), s["fewer"]) for s in self._content["special"])
+
+    @property
+    def failure_probability(self) -> float:
+        """An upper bound of the probability that a relation is wrong."""
+        probability: float = self._content["verification"]["failure_probability"]
+        return probability
+
+    def sympy_source(self) -> str:
+        """Return a Python module that defines the relations for SymPy."""
+        return self._inner.sympy()
+
+    def to_sympy(self) -> dict[str, sympy.Expr]:
+        """Return the relations as expressions of SymPy, lengths and angles real symbols.
+
+        Raises
+        ------
+        MissingPackageError
+            If SymPy is not installed.
+        """
+        try:
+            import sympy
+        except ImportError:
+            raise MissingPackageError("to_sympy needs SymPy: pip install sympy") from None
+        real = {name: sympy.Symbol(name, real=True) for name in self.symbols}
+        names = self._content["sympy_names"].values()
+        scope = {name: sympy.Symbol(name) for name in names} | real
+        relations = self._content["relations"].items()
+        return {label: sympy.sympify(forms["sympy"], scope) for label, forms in relations}
+
+    def __repr__(self) -> str:
+        return f"SymbolicRelations({dict(self)!r})"

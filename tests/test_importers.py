@@ -1,0 +1,184 @@
+"""Other programs' models: the same robot by every way, and their own dynamics as the judge."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import roberval as rv
+from wheels import robot_file
+
+ROUNDING = 1e-12
+"""Torques and parameters of about 1 to 100, by two programs' arithmetic."""
+
+ARMS = [
+    "erd/ur_description/urdf/ur5_robot.urdf",
+    "erd/panda_description/urdf/panda.urdf",
+    "erd/xarm_description/urdf/xarm7.urdf",
+    "erd/kinova_description/robots/kinova.urdf",
+    "erd/z1_description/urdf/z1.urdf",
+    "erd/talos_data/robots/talos_left_arm.urdf",
+    "erd/double_pendulum_description/urdf/double_pendulum.urdf",
+]
+
+TRICKY = """<mujoco model="tricky"><option gravity="0 1 -9"/><worldbody>
+<body name="stand" pos="0 0 1">
+ <body name="slider" pos=".1 .2 .3" quat=".9 .1 .2 .3">
+  <joint name="sx" type="slide" axis="1 0 0" armature=".3"/>
+  <joint name="sy" type="slide" axis="0 1 1"/>
+  <joint name="tz" axis="0 .2 1" pos=".1 0 .2" armature=".1"/>
+  <inertial pos=".1 .2 .1" mass="2" diaginertia=".3 .2 .2" quat="1 .2 .1 .5"/>
+  <body name="welded" pos="0 .1 0" euler="10 20 30">
+   <inertial pos=".1 .2 .1" mass="1" diaginertia=".3 .2 .2"/>
+   <body name="arm" pos=".3 0 0"><joint name="a" axis="0 1 0" pos="0 0 .1" ref="20"/>
+    <inertial pos=".1 .2 .1" mass="3" fullinertia=".3 .2 .3 .01 .02 .03"/>
+    <body name="last"><joint name="b" axis="1 0 0"/>
+     <inertial pos=".1 0 .1" mass=".5" diaginertia=".03 .02 .02"/></body></body></body></body>
+</body></worldbody>%s</mujoco>"""
+
+
+def without_meshes(path: Path) -> str:
+    pattern = r"<(visual|collision)\b.*?</\1>|<(visual|collision)\b[^>]*/>"
+    return re.sub(pattern, "", path.read_text(), flags=re.DOTALL)
+
+
+@pytest.mark.filterwarnings("ignore::roberval.RobotWarning")
+@pytest.mark.parametrize("file", ARMS)
+def test_urdf_mjcf_and_pinocchio_give_the_same_base_parameters(file: str) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    pinocchio = pytest.importorskip("pinocchio")
+    text = without_meshes(robot_file(file))
+    robot = rv.Robot.from_urdf(text)
+    base = robot.base_parameters()
+    others = [
+        rv.Robot.from_mujoco(mujoco.MjModel.from_xml_string(text)),
+        rv.Robot.from_pinocchio(pinocchio.buildModelFromXML(text, mimic=True)),
+    ]
+    for other in others:
+        assert other.parameters == robot.parameters
+        assert other.joints == robot.joints
+        assert other.base_parameters().base == base.base
+        assert other.base_parameters().relations.text == base.relations.text
+        assert robot.X is not None
+        np.testing.assert_allclose(other.X, robot.X, atol=ROUNDING)
+
+
+def test_torques_of_a_tricky_model_are_mujocos() -> None:
+    mujoco = pytest.importorskip("mujoco")
+    model = mujoco.MjModel.from_xml_string(TRICKY % "")
+    robot = rv.Robot.from_mujoco(model, snap="off")
+    names = [link.name for link in robot.links]
+    assert names == ["slider/sx", "slider/sy", "slider", "arm", "last"]
+    q, qd, qdd = np.random.default_rng(1).normal(size=(3, model.nv))
+    data = mujoco.MjData(model)
+    data.qpos[:] = model.qpos0 + q
+    data.qvel[:], data.qacc[:] = qd, qdd
+    mujoco.mj_inverse(model, data)
+    torques = robot.torques(q, qd, qdd)
+    np.testing.assert_allclose(torques, data.qfrc_inverse, atol=ROUNDING * 100)
+
+
+def test_couples_of_a_model_are_applied_and_other_constraints_warned_of() -> None:
+    pytest.importorskip("mujoco")
+    equality = """<equality><joint name="gear" joint1="b" joint2="a" polycoef="0 2 0 0 0"/>
+        <connect name="shut" body1="last" anchor="0 0 0"/></equality>"""
+    with pytest.warns(rv.RobotWarning, match="'shut'.*connect.*not applied"):
+        robot = rv.Robot.from_mujoco(TRICKY % equality)
+    assert "Ia_last" not in robot.parameters
+    assert robot.base_parameters().rank < 22 + 1
+
+
+def random_model(pin: Any) -> Any:
+    pin.seed(3)
+    axes = pin.SE3.Random().rotation
+    composite = pin.JointModelComposite()
+    composite.addJoint(pin.JointModelRX(), pin.SE3.Random())
+    composite.addJoint(pin.JointModelPZ(), pin.SE3.Random())
+    model, joint = pin.Model(), 0
+    for kind in (
+        pin.JointModelRX(),
+        pin.JointModelRevoluteUnaligned(axes[:, 0]),
+        pin.JointModelPrismaticUnaligned(axes[:, 1]),
+        pin.JointModelPY(),
+        composite,
+    ):
+        joint = model.addJoint(joint, kind, pin.SE3.Random(), f"j{joint}")
+        model.appendBodyToJoint(joint, pin.Inertia.Random(), pin.SE3.Identity())
+    model.armature = np.random.default_rng(0).uniform(0, 1, model.nv)
+    return model
+
+
+def test_torques_of_a_random_model_are_pinocchios() -> None:
+    pin = pytest.importorskip("pinocchio")
+    model = random_model(pin)
+    robot = rv.Robot.from_pinocchio(model, snap="off")
+    q, qd, qdd = np.random.default_rng(2).normal(size=(3, model.nv))
+    expected = pin.rnea(model, model.createData(), q, qd, qdd)
+    np.testing.assert_allclose(robot.torques(q, qd, qdd), expected, atol=ROUNDING * 100)
+
+
+@pytest.mark.filterwarnings("ignore:.*inertia that no body has:roberval.RobotWarning")
+@pytest.mark.parametrize("entry", [entry.name for entry in rv.catalogue()])
+def test_a_robot_written_as_urdf_is_the_same_robot(entry: str) -> None:
+    robot = rv.load(entry, rotors=False)
+    again = rv.Robot.from_urdf(robot.to_urdf(), rotors=False, gravity=robot.gravity.tolist())
+    assert again.parameters == robot.parameters
+    base, other = robot.base_parameters(), again.base_parameters()
+    assert other.base == base.base
+    assert other.relations.text == base.relations.text
+    assert other.diagnosis.messages == base.diagnosis.messages
+
+
+def test_missing_packages_are_told_with_the_command_that_installs_them(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    file = tmp_path / "arm.xml"
+    file.write_text(TRICKY % "")
+    xacro = tmp_path / "arm.xacro"
+    xacro.write_text('<robot xmlns:xacro="http://ros.org/wiki/xacro"><xacro:x/></robot>')
+    for package in ("mujoco", "pinocchio", "xacrodoc", "robot_descriptions"):
+        monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(rv.MissingPackageError, match="pip install mujoco"):
+        rv.load(file)
+    with pytest.raises(rv.MissingPackageError, match="pip install pin"):
+        rv.Robot.from_pinocchio(None)
+    with pytest.raises(rv.MissingPackageError, match="pip install xacrodoc"):
+        rv.load(xacro)
+    with pytest.raises(rv.MissingPackageError, match="pip install robot_descriptions"):
+        rv.load("ur5_description")
+
+
+def test_the_command_takes_mjcf_by_its_content(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    file = tmp_path / "arm.urdf"  # the name says nothing
+    file.write_text(TRICKY % "")
+    command = [sys.executable, "-m", "roberval", "base", str(file), "--no-rotors"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("tricky\n5 links (3 revolute, 2 prismatic)")
+
+
+def test_xacro_is_expanded(tmp_path: Path) -> None:
+    pytest.importorskip("xacrodoc")
+    file = tmp_path / "arm.urdf.xacro"
+    file.write_text(
+        """<robot name="arm" xmlns:xacro="http://ros.org/wiki/xacro">
+        <xacro:property name="L" value="0.5"/><link name="a"/><link name="b"/>
+        <joint name="j" type="continuous"><parent link="a"/><child link="b"/>
+        <origin xyz="${2 * L} 0 0"/></joint></robot>"""
+    )
+    assert rv.load(file).base_parameters().rank > 0
+
+
+def test_optional_packages_are_imported_only_when_used() -> None:
+    names = ("pandas", "polars", "matplotlib", "mujoco", "pinocchio", "xacrodoc", "openpyxl")
+    script = f"import sys, roberval; print([n for n in {names} if n in sys.modules])"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "[]"
