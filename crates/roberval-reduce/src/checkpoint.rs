@@ -22,8 +22,8 @@ pub enum CheckpointError {
     /// The checksum does not fit.
     #[error("the checkpoint is damaged: its checksum does not fit")]
     Damaged,
-    /// Another robot, other columns or other friction.
-    #[error("the checkpoint is of another robot or of other columns")]
+    /// Another robot.
+    #[error("the checkpoint is of another robot")]
     Model,
     /// Another processor.
     #[error(
@@ -38,12 +38,21 @@ pub enum CheckpointError {
 }
 
 impl Reduction {
-    /// Everything the accumulator knows, with a checksum. `model` names robot and columns:
-    /// a checkpoint is refused where it is another.
+    /// Everything the accumulator knows, with a checksum.
     #[must_use]
-    pub fn to_bytes(&self, model: &[u8]) -> Vec<u8> {
+    pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = Writer(MAGIC.to_vec());
-        out.bytes(&identity(model, &self.choice, self.friction));
+        out.bytes(&identity(&self.regressor));
+        let Friction {
+            viscous,
+            coulomb,
+            offset,
+        } = self.friction;
+        out.bytes(&[viscous, coulomb, offset].map(u8::from));
+        out.integer(self.choice.len() as u64);
+        for &column in &self.choice {
+            out.integer(column as u64);
+        }
         out.integer(self.plan.width.lanes() as u64);
         out.integer(self.samples);
         out.integer(self.tiles as u64);
@@ -67,17 +76,11 @@ impl Reduction {
         out.0
     }
 
-    /// The accumulator from [`Reduction::to_bytes`]. The bytes say which columns.
+    /// The accumulator from [`Reduction::to_bytes`], for the same robot.
     ///
     /// # Errors
     /// [`CheckpointError`] if the bytes are damaged or of something else.
-    pub fn from_bytes(
-        bytes: &[u8],
-        model: &[u8],
-        regressor: Regressor,
-        columns: &[usize],
-        friction: Friction,
-    ) -> Result<Self, CheckpointError> {
+    pub fn from_bytes(bytes: &[u8], regressor: Regressor) -> Result<Self, CheckpointError> {
         let body = bytes.strip_prefix(MAGIC).ok_or(CheckpointError::Kind)?;
         let size = body
             .len()
@@ -88,11 +91,20 @@ impl Reduction {
             return Err(CheckpointError::Damaged);
         }
         let mut body = Reader(&body[..size]);
-        if body.take(CHECKSUM)? != identity(model, columns, friction) {
+        if body.take(CHECKSUM)? != identity(&regressor) {
             return Err(CheckpointError::Model);
         }
+        let kinds = body.take(3)?;
+        let friction = Friction {
+            viscous: kinds[0] == 1,
+            coulomb: kinds[1] == 1,
+            offset: kinds[2] == 1,
+        };
+        let columns = (0..body.integer()?)
+            .map(|_| body.integer().map(|column| column as usize))
+            .collect::<Result<Vec<_>, _>>()?;
         let mut new =
-            Self::new(regressor, columns, friction).map_err(|_| CheckpointError::Model)?;
+            Self::new(regressor, &columns, friction).map_err(|_| CheckpointError::Model)?;
         let (found, expected) = (body.integer()? as usize, new.plan.width.lanes());
         if found != expected {
             return Err(CheckpointError::Lanes { found, expected });
@@ -121,15 +133,14 @@ impl Reduction {
     }
 }
 
-/// A digest of what the factors are factors of.
-fn identity(model: &[u8], columns: &[usize], friction: Friction) -> Vec<u8> {
+/// A digest of the robot: its geometry as the recursion knows it, and its columns.
+fn identity(regressor: &Regressor) -> Vec<u8> {
     let mut digest = Sha256::new();
-    digest.update((model.len() as u64).to_le_bytes());
-    digest.update(model);
-    for &column in columns {
-        digest.update((column as u64).to_le_bytes());
+    digest.update(format!("{:?}", regressor.unconstrained()));
+    for label in regressor.parameters().labels() {
+        digest.update(label);
+        digest.update([0]);
     }
-    digest.update([friction.viscous, friction.coulomb, friction.offset].map(u8::from));
     digest.finalize().to_vec()
 }
 

@@ -1,6 +1,6 @@
 //! The R factor of least squares, in the user's order of columns.
 
-use roberval_scalar::{Lanes, Task, Width, dispatch};
+use roberval_scalar::{Lanes, Task, dispatch_one};
 
 use crate::annihilate::annihilate;
 use crate::layout::Segment;
@@ -53,8 +53,7 @@ impl Factor {
 
     /// The factor of all rows from the lane factors of all segments.
     pub(crate) fn of_lanes(plan: &Plan, lanes: &[f64], samples: u64) -> Self {
-        let task = Gather { plan, lanes };
-        let mut r = dispatch(Width::narrow(), task);
+        let mut r = dispatch_one(Gather { plan, lanes });
         normalise(plan.columns, &mut r);
         Self {
             columns: plan.columns,
@@ -113,14 +112,11 @@ impl Factor {
     pub fn merge(&self, other: &Self) -> Self {
         assert_eq!(self.columns, other.columns, "factors of the same columns");
         let mut r = self.r.clone();
-        dispatch(
-            Width::narrow(),
-            MergeOne {
-                triangle: whole(self.columns, 0).triangle(),
-                r: &mut r,
-                later: &other.r,
-            },
-        );
+        dispatch_one(MergeOne {
+            triangle: whole(self.columns, 0).triangle(),
+            r: &mut r,
+            later: &other.r,
+        });
         normalise(self.columns, &mut r);
         Self {
             columns: self.columns,

@@ -1,7 +1,7 @@
 //! The accumulator: samples in, R factor out, in memory that does not grow with them.
 
 use std::num::NonZeroUsize;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use roberval_regressor::{Regressor, States};
@@ -75,6 +75,9 @@ pub enum ReduceError {
     /// The robot's joints depend on each other.
     #[error("the robot has joints that depend on others: its rows cannot be reduced yet")]
     Constrained,
+    /// The caller stopped it.
+    #[error("stopped: no sample was taken in")]
+    Stopped,
     /// A column was asked for that is not there, or twice.
     #[error("column {column} of {count} is asked for twice or not there")]
     Column {
@@ -180,6 +183,29 @@ impl Reduction {
     /// # Errors
     /// [`ReduceError`] names what is not a finite number or has the wrong length.
     pub fn update(&mut self, samples: &Samples<'_>) -> Result<(), ReduceError> {
+        self.take_in(samples, &AtomicBool::new(false))
+    }
+
+    /// As [`Reduction::update`], but gives up soon after `stop` is set: nothing is taken in
+    /// then.
+    ///
+    /// # Errors
+    /// [`ReduceError::Stopped`], and those of [`Reduction::update`].
+    pub fn update_until(
+        &mut self,
+        samples: &Samples<'_>,
+        stop: &AtomicBool,
+    ) -> Result<(), ReduceError> {
+        let before = self.clone();
+        self.take_in(samples, stop)?;
+        if stop.load(Ordering::Relaxed) {
+            *self = before;
+            return Err(ReduceError::Stopped);
+        }
+        Ok(())
+    }
+
+    fn take_in(&mut self, samples: &Samples<'_>, stop: &AtomicBool) -> Result<(), ReduceError> {
         let n = self.dof();
         let count = self.check(samples)?;
         let weights = roots(&samples.weights, count);
@@ -198,10 +224,10 @@ impl Reduction {
         }
         if self.rest[3].len() == per_tile * n {
             let rest = std::mem::take(&mut self.rest);
-            self.absorb(&measured(&rest));
+            self.absorb(&measured(&rest), stop);
         }
         let whole = (count - done) / per_tile * per_tile;
-        self.absorb(&all.part(done, done + whole, n));
+        self.absorb(&all.part(done, done + whole, n), stop);
         self.hold(&all.part(done + whole, count, n), !weights.is_empty());
         self.samples += count as u64;
         Ok(())
@@ -228,34 +254,35 @@ impl Reduction {
     }
 
     /// Whole tiles: the unfinished block first, then blocks side by side.
-    fn absorb(&mut self, samples: &Measured<'_>) {
+    fn absorb(&mut self, samples: &Measured<'_>, stop: &AtomicBool) {
         let (n, per_tile, block) = (self.dof(), self.plan.samples(), self.plan.block());
         let tiles = samples.tau.len() / n / per_tile;
         let part = |from: usize, to: usize| samples.part(from * per_tile, to * per_tile, n);
         let mut done = 0;
         if self.tiles > 0 || tiles < block {
             done = tiles.min(block - self.tiles);
-            self.run(&part(0, done));
+            self.run(&part(0, done), stop);
         }
         while done + block <= tiles {
             let wave = ((tiles - done) / block).min(WAITING * self.threads);
-            for r in self.blocks(wave, |k| part(done + k * block, done + (k + 1) * block)) {
+            let piece = |k: usize| part(done + k * block, done + (k + 1) * block);
+            for r in self.blocks(wave, piece, stop) {
                 self.push(r);
             }
             done += wave * block;
         }
-        self.run(&part(done, tiles));
+        self.run(&part(done, tiles), stop);
     }
 
     /// Tiles of the unfinished block.
-    fn run(&mut self, samples: &Measured<'_>) {
+    fn run(&mut self, samples: &Measured<'_>, stop: &AtomicBool) {
         let (n, per_tile) = (self.dof(), self.plan.samples());
         let tiles = samples.tau.len() / n / per_tile;
         if tiles == 0 {
             return;
         }
         let mut block = std::mem::take(&mut self.block);
-        self.reduce(samples, &mut block);
+        self.reduce(samples, &mut block, stop);
         self.block = block;
         self.tiles += tiles;
         if self.tiles == self.plan.block() {
@@ -265,7 +292,7 @@ impl Reduction {
         }
     }
 
-    fn reduce(&self, samples: &Measured<'_>, r: &mut [f64]) {
+    fn reduce(&self, samples: &Measured<'_>, r: &mut [f64], stop: &AtomicBool) {
         let Some(tree) = self.regressor.unconstrained() else {
             return;
         };
@@ -274,6 +301,7 @@ impl Reduction {
             tree,
             samples: *samples,
             r,
+            stop,
         };
         dispatch(self.plan.width, task);
     }
@@ -283,6 +311,7 @@ impl Reduction {
         &self,
         count: usize,
         samples: impl Fn(usize) -> Measured<'a> + Sync,
+        stop: &AtomicBool,
     ) -> Vec<Vec<f64>> {
         let done: Vec<Mutex<Vec<f64>>> = (0..count).map(|_| Mutex::default()).collect();
         let next = AtomicUsize::new(0);
@@ -291,7 +320,7 @@ impl Reduction {
                 let k = next.fetch_add(1, Ordering::Relaxed);
                 let Some(slot) = done.get(k) else { return };
                 let mut r = vec![0.0; self.plan.factor()];
-                self.reduce(&samples(k), &mut r);
+                self.reduce(&samples(k), &mut r, stop);
                 *slot.lock().unwrap_or_else(PoisonError::into_inner) = r;
             }
         };
@@ -358,7 +387,7 @@ impl Reduction {
             for array in &mut rest {
                 array.resize(per_tile * n, 0.0);
             }
-            self.reduce(&measured(&rest), &mut r);
+            self.reduce(&measured(&rest), &mut r, &AtomicBool::new(false));
         }
         for level in self.levels.iter().filter(|level| !level.is_empty()) {
             r = self.merged_lanes(level.clone(), &r);

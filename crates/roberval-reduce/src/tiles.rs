@@ -1,5 +1,7 @@
 //! From samples to annihilated tiles.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use roberval_regressor::{DynamicsWorkspace, Model, Sink, States, Tile, Tree, dynamics};
 use roberval_scalar::{Lanes, Task};
 
@@ -45,6 +47,8 @@ pub(crate) struct Absorb<'a> {
     pub samples: Measured<'a>,
     /// Lane numbers of all segments' factors.
     pub r: &'a mut [f64],
+    /// Give up when this is set.
+    pub stop: &'a AtomicBool,
 }
 
 impl Task for Absorb<'_> {
@@ -58,6 +62,9 @@ impl Task for Absorb<'_> {
         let mut work = (Tile::<V>::new(self.tree), DynamicsWorkspace::new(self.tree));
         let size = plan.groups * V::COUNT;
         for first in (0..self.samples.tau.len() / n).step_by(size) {
+            if self.stop.load(Ordering::Relaxed) {
+                return;
+            }
             for group in 0..plan.groups {
                 let samples =
                     self.samples

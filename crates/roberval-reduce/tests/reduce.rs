@@ -17,6 +17,11 @@ const ALL: Friction = Friction {
     offset: true,
 };
 
+const SPEEDS: Friction = Friction {
+    offset: false,
+    ..ALL
+};
+
 const NONE: Friction = Friction {
     viscous: false,
     coulomb: false,
@@ -177,6 +182,9 @@ fn worst(factor: &Factor, expected: &[Vec<f64>]) -> f64 {
     worst
 }
 
+/// Columns below this norm are the rounding of zeros.
+const DUST: f64 = 1e-9;
+
 /// Columns that really are independent: those whose pivot in the one-shot factor is clear.
 fn independent(regressor: &Regressor, data: &Data) -> Vec<usize> {
     let mut kept = Vec::new();
@@ -186,7 +194,7 @@ fn independent(regressor: &Regressor, data: &Data) -> Vec<usize> {
         let r = one_shot(dense(regressor, &tried, NONE, data, false));
         let k = tried.len() - 1;
         let norm = r.iter().map(|row| row[k] * row[k]).sum::<f64>().sqrt();
-        if r[k][k] > 0.05 * norm {
+        if r[k][k] > 0.05 * norm && norm > DUST {
             kept = tried;
         }
     }
@@ -201,7 +209,8 @@ fn the_factor_is_that_of_one_householder_factorisation() {
         let columns = independent(&Regressor::new(&robot), &data);
         for (width, weighted) in widths().map(|w| (w, seed % 2 == 1)) {
             let regressor = Regressor::new(&robot).with_width(width);
-            let friction = if seed % 3 == 0 { ALL } else { NONE };
+            // An offset may be what gravity makes of M: then nothing tells them apart.
+            let friction = if seed % 3 == 0 { SPEEDS } else { NONE };
             let expected = one_shot(dense(&regressor, &columns, friction, &data, weighted));
             let mut reduction =
                 Reduction::new(regressor, &columns, friction).expect("no constraints");
@@ -229,16 +238,12 @@ fn coefficients_survive_a_condition_of_1e8() {
     for x in &mut data.qd {
         *x = x.signum() * (1.0 + 1e-8 * *x);
     }
-    let friction = Friction {
-        offset: false,
-        ..ALL
-    };
-    let w = dense(&regressor, &columns, friction, &data, false);
+    let w = dense(&regressor, &columns, SPEEDS, &data, false);
     let truth: Vec<f64> = (0..w[0].len() - 1).map(|k| 1.0 + 0.1 * k as f64).collect();
     for (row, tau) in w.iter().zip(&mut data.tau) {
         *tau = row.iter().zip(&truth).map(|(w, x)| w * x).sum();
     }
-    let mut reduction = Reduction::new(regressor, &columns, friction).expect("valid");
+    let mut reduction = Reduction::new(regressor, &columns, SPEEDS).expect("valid");
     reduction
         .update(&data.part(0, 2000, false))
         .expect("finite");
@@ -358,25 +363,18 @@ fn a_checkpoint_goes_on_with_the_same_bits_and_no_damage_passes() {
     reduction
         .update(&data.part(0, 40_007, false))
         .expect("finite");
-    let bytes = reduction.to_bytes(b"this robot");
-    let load = |bytes: &[u8], model: &[u8], friction| {
-        Reduction::from_bytes(bytes, model, regressor.clone(), &columns, friction)
-    };
-    let mut resumed = load(&bytes, b"this robot", ALL).expect("undamaged");
+    let bytes = reduction.to_bytes();
+    let load = |bytes: &[u8]| Reduction::from_bytes(bytes, regressor.clone());
+    let mut resumed = load(&bytes).expect("undamaged");
     for accumulator in [&mut reduction, &mut resumed] {
         accumulator
             .update(&data.part(40_007, 70_000, false))
             .expect("finite");
     }
     assert!(reduction.factor() == resumed.factor());
-    assert!(matches!(
-        load(&bytes, b"another", ALL),
-        Err(CheckpointError::Model)
-    ));
-    assert!(matches!(
-        load(&bytes, b"this robot", NONE),
-        Err(CheckpointError::Model)
-    ));
+    let another = Regressor::new(&self::robot(4, (2, 3)));
+    let refused = Reduction::from_bytes(&bytes, another).map(|_| ());
+    assert_eq!(refused, Err(CheckpointError::Model));
     let mut random = SplitMix64::new(7);
     for trial in 0..300 {
         let mut damaged = bytes.clone();
@@ -386,12 +384,9 @@ fn a_checkpoint_goes_on_with_the_same_bits_and_no_damage_passes() {
             random.below(bytes.len())
         };
         damaged[at] ^= 1 << random.below(8);
-        assert!(load(&damaged, b"this robot", ALL).is_err(), "byte {at}");
+        assert!(load(&damaged).is_err(), "byte {at}");
         let cut = random.below(bytes.len());
-        assert!(
-            load(&bytes[..cut], b"this robot", ALL).is_err(),
-            "{cut} bytes"
-        );
+        assert!(load(&bytes[..cut]).is_err(), "{cut} bytes");
     }
 }
 

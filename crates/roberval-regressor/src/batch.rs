@@ -1,7 +1,7 @@
 use roberval_mechanism::{JointKind, Mechanism, ParameterSpace};
 use roberval_scalar::{Magnitude, Scalar, Width, dispatch};
 
-use crate::lanes::{BadTile, FillPacked, FillRows, FillTorques, Pool};
+use crate::lanes::{BadTile, Fill, FillTorques, Form, Pool};
 use crate::packed::Export;
 use crate::sink::SelectedRows;
 use crate::{
@@ -164,17 +164,8 @@ impl Regressor {
             let shape = format!("{samples} samples in tiles of {lanes}");
             check_length("out", expected, out.len(), &shape)?;
         }
-        let task = FillPacked {
-            pool: &self.pool,
-            tree: &self.tree,
-            model,
-            states,
-            samples,
-            slots: layout.entries().len(),
-            stream: size_of_val(out) > STREAM_BYTES,
-            out,
-        };
-        dispatch(self.width, task).map_err(|bad| states.fault(bad, self.dof()))
+        let form = Form::Packed(layout.entries().len());
+        self.run(model, states, form, self.width, out)
     }
 
     /// The robot's constants, if its rows are those of all joints: then the recursion over
@@ -204,25 +195,24 @@ impl Regressor {
     }
 
     /// Fills `out` by lanes.
-    fn export(
+    fn run(
         &self,
         model: Model,
         states: States<'_>,
-        samples: usize,
-        export: &Export,
+        form: Form<'_>,
+        width: Width,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let task = FillRows {
+        let task = Fill {
             pool: &self.pool,
             tree: &self.tree,
             model,
             states,
-            samples,
-            export,
+            form,
             stream: size_of_val(out) > STREAM_BYTES,
             out,
         };
-        dispatch(self.width_for(samples), task).map_err(|bad| states.fault(bad, self.dof()))
+        dispatch(width, task).map_err(|bad| states.fault(bad, self.dof()))
     }
 
     /// Number of joint variables n of the tree.
@@ -259,7 +249,8 @@ impl Regressor {
             let samples = states.count(self.dof())?;
             check_out(model, samples, self.dof(), width, out.len())?;
             let export = &self.exports[family(model)];
-            return self.export(model, states, samples, export, out);
+            let width = self.width_for(samples);
+            return self.run(model, states, Form::Rows(export), width, out);
         }
         let samples = states.check(self.independent())?;
         check_out(model, samples, self.independent(), width, out.len())?;
@@ -292,7 +283,8 @@ impl Regressor {
             let places = places(columns, self.space.len());
             let place = |column: usize| places[column].map(|place| place as usize);
             let export = Export::new(layout, model.rows(self.dof()), columns.len(), place);
-            return self.export(model, states, samples, &export, out);
+            let width = self.width_for(samples);
+            return self.run(model, states, Form::Rows(&export), width, out);
         }
         let samples = states.check(self.independent())?;
         check_out(model, samples, self.independent(), columns.len(), out.len())?;

@@ -93,71 +93,28 @@ impl fmt::Debug for Pool {
     }
 }
 
-/// Rows of all samples into `out`, sample after sample.
-pub(crate) struct FillRows<'a> {
+/// What a batch writes.
+#[derive(Clone, Copy)]
+pub(crate) enum Form<'a> {
+    /// Rows, sample after sample.
+    Rows(&'a Export),
+    /// Packed tiles of so many slots.
+    Packed(usize),
+}
+
+/// All samples' numbers into `out`.
+pub(crate) struct Fill<'a> {
     pub pool: &'a Pool,
     pub tree: &'a Tree<f64>,
     pub model: Model,
     pub states: States<'a>,
-    pub samples: usize,
-    pub export: &'a Export,
+    pub form: Form<'a>,
     pub out: &'a mut [f64],
     /// Write past the cache.
     pub stream: bool,
 }
 
-impl Task for FillRows<'_> {
-    type Output = Result<(), BadTile>;
-
-    #[inline(always)]
-    fn run<V: Lanes>(self) -> Self::Output {
-        let (tree, export) = (self.tree, self.export);
-        let mut work = match self.pool.take::<Work<V>>() {
-            Some(work) => work,
-            None => Box::new(Work::new(tree)),
-        };
-        let (mut stage, mut rows) = (mem::take(&mut work.stage), mem::take(&mut work.rows));
-        stage.resize(stage.len().max(export.slots() + 1), V::lift(0.0));
-        stage[export.slots()] = V::lift(0.0);
-        let length = export.len();
-        let whole = V::COUNT * length;
-        for first in (0..self.samples).step_by(V::COUNT) {
-            let mut sink = Packed::new(&mut stage[..export.slots()]);
-            work.run(tree, self.model, &self.states, first, &mut sink)?;
-            let count = whole.min((self.samples - first) * length);
-            let out = &mut self.out[first * length..][..count];
-            if count == whole && !self.stream {
-                export.write(&stage, out);
-                continue;
-            }
-            rows.resize(whole, 0.0);
-            export.write(&stage, &mut rows);
-            if self.stream {
-                V::stream(&rows[..count], out);
-            } else {
-                out.copy_from_slice(&rows[..count]);
-            }
-        }
-        (work.stage, work.rows) = (stage, rows);
-        self.pool.give(work);
-        Ok(())
-    }
-}
-
-/// Packed tiles of all samples.
-pub(crate) struct FillPacked<'a> {
-    pub pool: &'a Pool,
-    pub tree: &'a Tree<f64>,
-    pub model: Model,
-    pub states: States<'a>,
-    pub samples: usize,
-    pub slots: usize,
-    pub out: &'a mut [f64],
-    /// Write past the cache.
-    pub stream: bool,
-}
-
-impl Task for FillPacked<'_> {
+impl Task for Fill<'_> {
     type Output = Result<(), BadTile>;
 
     #[inline(always)]
@@ -167,35 +124,38 @@ impl Task for FillPacked<'_> {
             Some(work) => work,
             None => Box::new(Work::new(tree)),
         };
-        let mut rows = mem::take(&mut work.rows);
-        rows.resize(
-            if self.stream {
-                V::COUNT * self.slots
-            } else {
-                0
-            },
-            0.0,
-        );
-        let firsts = (0..self.samples).step_by(V::COUNT);
-        let outs = self.out.chunks_exact_mut(V::COUNT * self.slots);
-        for (first, out) in firsts.zip(outs) {
-            let to = if self.stream {
-                &mut rows[..]
-            } else {
+        let (slots, length) = match self.form {
+            Form::Rows(export) => (export.slots(), export.len()),
+            Form::Packed(slots) => (slots, slots),
+        };
+        let (mut stage, mut rows) = (mem::take(&mut work.stage), mem::take(&mut work.rows));
+        stage.resize(stage.len().max(slots + 1), V::lift(0.0));
+        stage[slots] = V::lift(0.0);
+        let whole = V::COUNT * length;
+        rows.resize(rows.len().max(whole), 0.0);
+        for (tile, out) in self.out.chunks_mut(whole).enumerate() {
+            let direct = out.len() == whole && !self.stream;
+            let to = if direct {
                 &mut *out
+            } else {
+                &mut rows[..whole]
             };
-            work.run(
-                tree,
-                self.model,
-                &self.states,
-                first,
-                &mut PackedNumbers(to),
-            )?;
+            let packed = match self.form {
+                Form::Rows(_) => V::numbers(&mut stage[..slots]),
+                Form::Packed(_) => &mut *to,
+            };
+            let mut sink = Packed::new(packed);
+            work.run(tree, self.model, &self.states, tile * V::COUNT, &mut sink)?;
+            if let Form::Rows(export) = self.form {
+                export.write(&stage, to);
+            }
             if self.stream {
-                V::stream(&rows, out);
+                V::stream(&rows[..out.len()], out);
+            } else if !direct {
+                out.copy_from_slice(&rows[..out.len()]);
             }
         }
-        work.rows = rows;
+        (work.stage, work.rows) = (stage, rows);
         self.pool.give(work);
         Ok(())
     }
@@ -242,26 +202,5 @@ impl Task for FillTorques<'_> {
         work.stage = torques;
         self.pool.give(work);
         Ok(())
-    }
-}
-
-/// Writes slot after slot into plain numbers.
-struct PackedNumbers<'a>(&'a mut [f64]);
-
-impl<V: Lanes> Sink<V> for PackedNumbers<'_> {
-    #[inline(always)]
-    fn link(&mut self, _: usize, _: usize, columns: [V; 10]) {
-        let (next, rest) = mem::take(&mut self.0).split_at_mut(10 * V::COUNT);
-        for (column, next) in columns.into_iter().zip(next.chunks_exact_mut(V::COUNT)) {
-            column.store(next);
-        }
-        self.0 = rest;
-    }
-
-    #[inline(always)]
-    fn rotor(&mut self, _: usize, _: usize, value: V) {
-        let (next, rest) = mem::take(&mut self.0).split_at_mut(V::COUNT);
-        value.store(next);
-        self.0 = rest;
     }
 }

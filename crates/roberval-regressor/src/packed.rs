@@ -76,33 +76,36 @@ impl Sink<f64> for Entries<'_> {
 }
 
 /// Writes slot after slot.
-pub(crate) struct Packed<'a, V> {
-    slots: &'a mut [V],
+pub(crate) struct Packed<'a> {
+    rest: &'a mut [f64],
 }
 
-impl<'a, V: Lanes> Packed<'a, V> {
+impl<'a> Packed<'a> {
     #[inline(always)]
-    pub(crate) fn new(slots: &'a mut [V]) -> Self {
-        Self { slots }
+    pub(crate) fn new(slots: &'a mut [f64]) -> Self {
+        Self { rest: slots }
     }
 
     #[inline(always)]
-    fn next(&mut self, count: usize) -> &mut [V] {
-        let (next, rest) = std::mem::take(&mut self.slots).split_at_mut(count);
-        self.slots = rest;
+    fn next(&mut self, count: usize) -> &mut [f64] {
+        let (next, rest) = std::mem::take(&mut self.rest).split_at_mut(count);
+        self.rest = rest;
         next
     }
 }
 
-impl<V: Lanes> Sink<V> for Packed<'_, V> {
+impl<V: Lanes> Sink<V> for Packed<'_> {
     #[inline(always)]
     fn link(&mut self, _: usize, _: usize, columns: [V; 10]) {
-        self.next(10).copy_from_slice(&columns);
+        let slots = self.next(10 * V::COUNT);
+        for (column, slot) in columns.into_iter().zip(slots.chunks_exact_mut(V::COUNT)) {
+            column.store(slot);
+        }
     }
 
     #[inline(always)]
     fn rotor(&mut self, _: usize, _: usize, value: V) {
-        self.next(1)[0] = value;
+        value.store(self.next(V::COUNT));
     }
 }
 

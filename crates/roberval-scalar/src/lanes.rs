@@ -41,6 +41,9 @@ pub trait Lanes: Lift<f64> + Debug + Send + Sync + 'static {
     /// Into the first `COUNT` numbers.
     fn store(self, to: &mut [f64]);
 
+    /// The numbers of lanes that lie side by side.
+    fn numbers(lanes: &mut [Self]) -> &mut [f64];
+
     /// `self / by`.
     fn divide(self, by: Self) -> Self;
 
@@ -151,6 +154,17 @@ pub fn dispatch<T: Task>(width: Width, task: T) -> T::Output {
     return x86::dispatch(width, task);
     #[cfg(target_arch = "aarch64")]
     return arm::dispatch(width, task);
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    return task.run::<f64>();
+}
+
+/// Does the work with one lane of the arithmetic of [`Width::best`]: for what is done
+/// rarely, which need not be compiled for every width.
+pub fn dispatch_one<T: Task>(task: T) -> T::Output {
+    #[cfg(target_arch = "x86_64")]
+    return x86::dispatch_one(task);
+    #[cfg(target_arch = "aarch64")]
+    return arm::dispatch_one(task);
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
     return task.run::<f64>();
 }

@@ -20,7 +20,7 @@ pub mod vector;
 
 pub use double_double::DoubleDouble;
 pub use field::{Fp, Modulus};
-pub use lanes::{Lanes, MAX_LANES, Task, Width, dispatch};
+pub use lanes::{Lanes, MAX_LANES, Task, Width, dispatch, dispatch_one};
 pub use linear::LinearInPi;
 pub use literal::{
     Constants, Decimal, Expr, LiteralError, LiteralFault, MAX_LITERAL_BYTES, MAX_LITERAL_DEPTH,

@@ -9,6 +9,7 @@ macro_rules! arithmetic {
      $fma:ident, $fnma:ident, $splat:ident) => {
         /// Floats side by side in one register.
         #[derive(Clone, Copy)]
+        #[repr(transparent)]
         struct $name($raw);
 
         impl std::fmt::Debug for $name {

@@ -23,6 +23,10 @@ pub(super) fn dispatch<T: Task>(width: Width, task: T) -> T::Output {
     }
 }
 
+pub(super) fn dispatch_one<T: Task>(task: T) -> T::Output {
+    task.run::<Fused>()
+}
+
 macro_rules! neg2 {
     ($x:expr) => {
         vnegq_f64($x)
@@ -66,6 +70,13 @@ impl Lanes for F64x2 {
     fn store(self, to: &mut [f64]) {
         // SAFETY: the slice below is checked to have 2 numbers.
         unsafe { vst1q_f64(to[..2].as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    fn numbers(lanes: &mut [Self]) -> &mut [f64] {
+        let count = lanes.len() * Self::COUNT;
+        // SAFETY: a lane type is COUNT floats and nothing else.
+        unsafe { std::slice::from_raw_parts_mut(lanes.as_mut_ptr().cast(), count) }
     }
 
     #[inline(always)]

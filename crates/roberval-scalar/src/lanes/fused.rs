@@ -1,4 +1,7 @@
 //! One lane with the arithmetic of the wider ones.
+//!
+//! Unsafe only where lanes are taken for the numbers that they are.
+#![allow(unsafe_code)]
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -8,6 +11,7 @@ use crate::{Lift, Scalar};
 
 /// One float whose products and sums are fused: the bits of the wider lanes.
 #[derive(Debug, Clone, Copy)]
+#[repr(transparent)]
 pub(super) struct Fused(f64);
 
 impl Add for Fused {
@@ -72,6 +76,13 @@ impl Lanes for Fused {
     #[inline(always)]
     fn store(self, to: &mut [f64]) {
         to[0] = self.0;
+    }
+
+    #[inline(always)]
+    fn numbers(lanes: &mut [Self]) -> &mut [f64] {
+        let count = lanes.len() * Self::COUNT;
+        // SAFETY: a lane type is COUNT floats and nothing else.
+        unsafe { std::slice::from_raw_parts_mut(lanes.as_mut_ptr().cast(), count) }
     }
 
     #[inline(always)]

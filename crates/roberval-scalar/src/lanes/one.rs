@@ -16,6 +16,11 @@ impl Lanes for f64 {
     }
 
     #[inline(always)]
+    fn numbers(lanes: &mut [Self]) -> &mut [f64] {
+        lanes
+    }
+
+    #[inline(always)]
     fn divide(self, by: Self) -> Self {
         self / by
     }

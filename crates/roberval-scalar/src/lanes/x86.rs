@@ -35,6 +35,15 @@ pub(super) fn dispatch<T: Task>(width: Width, task: T) -> T::Output {
     }
 }
 
+pub(super) fn dispatch_one<T: Task>(task: T) -> T::Output {
+    if available(Width::One) {
+        // SAFETY: the processor has the features (previous line).
+        unsafe { one(task) }
+    } else {
+        task.run::<f64>()
+    }
+}
+
 #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
 fn eight<T: Task>(task: T) -> T::Output {
     task.run::<F64x8>()
@@ -122,6 +131,13 @@ impl Lanes for F64x8 {
     fn store(self, to: &mut [f64]) {
         // SAFETY: the slice below is checked to have 8 numbers.
         unsafe { _mm512_storeu_pd(to[..8].as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    fn numbers(lanes: &mut [Self]) -> &mut [f64] {
+        let count = lanes.len() * Self::COUNT;
+        // SAFETY: a lane type is COUNT floats and nothing else.
+        unsafe { std::slice::from_raw_parts_mut(lanes.as_mut_ptr().cast(), count) }
     }
 
     #[inline(always)]
@@ -288,6 +304,13 @@ impl Lanes for F64x4 {
     fn store(self, to: &mut [f64]) {
         // SAFETY: the slice below is checked to have 4 numbers.
         unsafe { _mm256_storeu_pd(to[..4].as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    fn numbers(lanes: &mut [Self]) -> &mut [f64] {
+        let count = lanes.len() * Self::COUNT;
+        // SAFETY: a lane type is COUNT floats and nothing else.
+        unsafe { std::slice::from_raw_parts_mut(lanes.as_mut_ptr().cast(), count) }
     }
 
     #[inline(always)]
