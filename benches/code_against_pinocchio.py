@@ -20,7 +20,7 @@ import numpy as np
 import pinocchio as pin
 import roberval as rv
 
-DEFAULT = "cmeel.prefix/share/example-robot-data/robots/panda_description/urdf/panda.urdf"
+DEFAULT = "cmeel.prefix/share/example-robot-data/robots/xarm_description/urdf/xarm7.urdf"
 PREFIX = "cmeel.prefix"
 # What Pinocchio's own CMake files define for those who use it.
 DEFINES = (

@@ -68,6 +68,7 @@ def test_urdf_mjcf_and_pinocchio_give_the_same_base_parameters(file: str) -> Non
         assert other.base_parameters().base == base.base
         assert other.base_parameters().relations.text == base.relations.text
         assert robot.X is not None
+        assert other.X is not None
         np.testing.assert_allclose(other.X, robot.X, atol=ROUNDING)
 
 
@@ -89,11 +90,34 @@ def test_torques_of_a_tricky_model_are_mujocos() -> None:
 def test_couples_of_a_model_are_applied_and_other_constraints_warned_of() -> None:
     pytest.importorskip("mujoco")
     equality = """<equality><joint name="gear" joint1="b" joint2="a" polycoef="0 2 0 0 0"/>
-        <connect name="shut" body1="last" anchor="0 0 0"/></equality>"""
-    with pytest.warns(rv.RobotWarning, match="'shut'.*connect.*not applied"):
+        <joint name="curve" joint1="tz" joint2="a" polycoef="0 1 1 0 0"/></equality>"""
+    with pytest.warns(rv.RobotWarning, match="'curve'.*not applied"):
         robot = rv.Robot.from_mujoco(TRICKY % equality)
     assert "Ia_last" not in robot.parameters
-    assert robot.base_parameters().rank < 22 + 1
+    assert robot.base_parameters().rank < rv.Robot.from_mujoco(TRICKY % "").base_parameters().rank
+
+
+FOUR_BAR = """<mujoco model="four-bar"><option gravity="0 0 -9.81"/>
+<default><geom type="capsule" size=".02"/></default><worldbody>
+<body name="crank"><joint name="crank" axis="0 1 0"/><geom fromto="0 0 0 0 0 .3"/>
+ <body name="coupler" pos="0 0 .3"><joint name="coupler" axis="0 1 0"/>
+  <geom fromto="0 0 0 .9 0 .1"/></body></body>
+<body name="rocker" pos="1 0 0"><joint name="rocker" axis="0 1 0"/>
+ <geom fromto="0 0 0 -.1 0 .4"/></body></worldbody>
+<equality><%s/></equality>
+<actuator><motor joint="crank"/></actuator></mujoco>"""
+
+
+@pytest.mark.filterwarnings("ignore::roberval.DoubtfulRankWarning")
+@pytest.mark.filterwarnings("ignore::roberval.RobotWarning")
+def test_a_connect_of_two_bodies_closes_a_loop() -> None:
+    pytest.importorskip("mujoco")
+    connect = 'connect body1="coupler" body2="rocker" anchor=".9 0 .1"'
+    closed = rv.Robot.from_mujoco(FOUR_BAR % connect)
+    passive = [link.name for link in closed.links if not link.active]
+    assert passive == ["coupler", "rocker"]
+    free = rv.Robot.from_mujoco(FOUR_BAR % (connect + ' active="false"'), rotors=False)
+    assert 0 < closed.base_parameters().rank < free.base_parameters().rank
 
 
 def random_model(pin: Any) -> Any:

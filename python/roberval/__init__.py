@@ -11,7 +11,7 @@ from ._core import __version__
 from .base import BaseParameters, Comparison, Relations, Route
 from .code import Code, Compiled, Count
 from .conventions import Convention, ParameterOrder, convention
-from .diagnosis import Blame, Diagnosis, Literal, Structure, Witness
+from .diagnosis import Blame, Diagnosis, Literal, Precision, Structure, Witness
 from .errors import (
     ArrayError,
     DoubtfulRankWarning,
@@ -29,7 +29,7 @@ from .exact import Exact, Surd
 from .linting import Finding, lint
 from .loading import CatalogueEntry, Cleaned, catalogue, clean_file, load
 from .options import Choice, Engine, Model, Number, Snap
-from .robot import Link, Robot
+from .robot import Couple, Link, Loop, Robot
 from .scaling import Grade, Scaling
 from .symbolic import SymbolicRelations
 
@@ -45,6 +45,7 @@ __all__ = [
     "Compiled",
     "Convention",
     "Count",
+    "Couple",
     "Diagnosis",
     "DoubtfulRankWarning",
     "Engine",
@@ -54,12 +55,14 @@ __all__ = [
     "InternalError",
     "Link",
     "Literal",
+    "Loop",
     "MissingPackageError",
     "Model",
     "Number",
     "NumericalError",
     "OptionError",
     "ParameterOrder",
+    "Precision",
     "Relations",
     "RobervalError",
     "Robot",

@@ -13,7 +13,7 @@ from .errors import OptionError
 Model: TypeAlias = Literal["d", "d0", "h"]
 """Dynamic model, dynamic model at rest, energy model."""
 
-Engine: TypeAlias = Literal["exact", "qr", "qrii", "svd"]
+Engine: TypeAlias = Literal["exact", "precise", "qr", "qrii", "svd"]
 """Route to rank, choice and relations."""
 
 Choice: TypeAlias = Literal["paper", "pivoted", "prefer"]

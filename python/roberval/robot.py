@@ -24,6 +24,21 @@ if TYPE_CHECKING:
     from .importers import Text
 
 
+class Loop(NamedTuple):
+    """A joint that was cut to make a tree of the links.
+
+    Attributes
+    ----------
+    between : tuple of two str
+        The two links; ``"base"`` is the base.
+    cut : str
+        ``"revolute"``, ``"spherical"``, ``"fixed"``, ``"prismatic"`` or ``"universal"``.
+    """
+
+    between: tuple[str, str]
+    cut: str
+
+
 class Link(NamedTuple):
     """One link and the joint that moves it.
 
@@ -50,6 +65,27 @@ class Link(NamedTuple):
     joint: str
     active: bool
     rotor: bool
+
+
+class Couple(NamedTuple):
+    """A joint that follows from others: by a sum of multiples, or by an expression.
+
+    Attributes
+    ----------
+    joint : str
+        The joint that follows.
+    equals : dict of str to str
+        The joints it follows, with their multipliers as written.
+    offset : str
+        Its position where those stand at 0, as written.
+    expression : str or None
+        In place of these, an expression of the joints it follows.
+    """
+
+    joint: str
+    equals: dict[str, str]
+    offset: str
+    expression: str | None = None
 
 
 class Robot(Rendered):
@@ -357,6 +393,20 @@ class Robot(Rendered):
         return self.velocities[6 if self.is_floating else 0 :]
 
     @property
+    def loops(self) -> tuple[Loop, ...]:
+        """The loops that are closed by joints which were cut."""
+        return tuple(Loop((sides[0], sides[1]), cut) for sides, cut in self._inner.loops)
+
+    @property
+    def closed(self) -> Array | None:
+        """Variables of all joints of the tree where the loops are closed: they name the branch.
+
+        None for a robot without loops.
+        """
+        closed = self._inner.closed
+        return None if closed is None else np.array(closed)
+
+    @property
     def is_floating(self) -> bool:
         """Whether the first link is a base that moves freely."""
         return self.nq > self.n
@@ -392,6 +442,18 @@ class Robot(Rendered):
     def n(self) -> int:
         """Degrees of freedom: length of qd and qdd, number of rows of d."""
         return self._inner.dof
+
+    @property
+    def moving(self) -> tuple[str, ...]:
+        """Names of all moving joints, in link order: those that follow others among them."""
+        moving = (link for link in self._links if link.joint in ("revolute", "prismatic"))
+        return tuple(link.joint_name or link.name for link in moving)
+
+    @property
+    def couples(self) -> tuple[Couple, ...]:
+        """The joints that follow from others (couples of a robot TOML, mimic of a URDF)."""
+        rows = self._inner.couples
+        return tuple(Couple(joint, dict(terms), offset, text) for joint, terms, offset, text in rows)
 
     @property
     def nq(self) -> int:
@@ -584,6 +646,39 @@ class Robot(Rendered):
                 )
         return arrays.vector("X", X, self._labels)
 
+    def expand(
+        self, q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike
+    ) -> tuple[Array, Array, Array]:
+        """Return the states of all joints of the tree, those that follow others included.
+
+        Parameters
+        ----------
+        q, qd, qdd : array_like, shape (n,) or (N, n)
+            States of the independent joints. Passive joints of loops are found on the branch
+            of `closed`, one state after the other.
+
+        Returns
+        -------
+        q, qd, qdd : ndarray, shape (tree joints,) or (N, tree joints)
+            In the order of the links that move.
+
+        Raises
+        ------
+        ShapeError, ArrayError
+            An argument is not usable, or the loops cannot be closed at a state.
+
+        Examples
+        --------
+        >>> import roberval as rv
+        >>> q, qd, qdd = rv.load("four_bar").expand([1.0], [1.0], [0.0])
+        >>> q.shape
+        (3,)
+        """
+        states = arrays.states(q, qd, qdd, self.nq, self.n)
+        rows = self._inner.expand(states.q, states.qd, states.qdd)
+        positions, velocities, accelerations = (x.reshape(*states.lead, -1) for x in rows)
+        return positions, velocities, accelerations
+
     def base_parameters(
         self,
         model: Model = "d",
@@ -603,8 +698,9 @@ class Robot(Rendered):
         ----------
         model : {"d", "d0", "h"}
             The model whose columns are analysed; all give the same answer.
-        engine : {"exact", "qr", "qrii", "svd"}
-            Elimination modulo primes, which needs no tolerance (the default); QR without
+        engine : {"exact", "precise", "qr", "qrii", "svd"}
+            Elimination modulo primes, which needs no tolerance (the default; for loops it
+            becomes precise); the same in high-precision floats; QR without
             pivoting (Gautier 1991, eq. (13)), QR with column pivoting (eq. (14)) or SVD
             (eq. (21)-(27)). All give the same answer.
         choice : {"paper", "pivoted", "prefer"}

@@ -135,7 +135,7 @@ fn check_format(root: &Element) -> Result<(), FormatError> {
         "sdf" | "gazebo" => ("this is SDF, not URDF", "convert the model to URDF"),
         "mujoco" => (
             "this is MJCF (MuJoCo), not URDF",
-            "the roberval of Python reads it: pip install roberval mujoco",
+            "the Python package reads it where mujoco is installed: pip install mujoco",
         ),
         "html" => (
             "this is a web page, not a robot file",

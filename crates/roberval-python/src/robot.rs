@@ -8,7 +8,7 @@ use roberval_base::{base_parameters, base_parameters_at, compare};
 use roberval_formats::{
     self as formats, FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml, to_urdf,
 };
-use roberval_mechanism::{Mechanism, RobotDescription, SourceFormat};
+use roberval_mechanism::{Couple, Mechanism, RobotDescription, SourceFormat};
 use roberval_regressor::Regressor;
 use roberval_tables as tables;
 
@@ -30,6 +30,8 @@ pub struct Robot {
 }
 
 /// Name, joint name, antecedent, kind, active, rotor of a link.
+type CoupleRow = (String, Vec<(String, String)>, String, Option<String>);
+
 type LinkRow = (
     String,
     Option<String>,
@@ -162,9 +164,31 @@ impl Robot {
         self.regressor.independent()
     }
 
+    /// Number of independent variables.
     #[getter]
     fn dof(&self) -> usize {
-        self.regressor.dof()
+        self.regressor.independent()
+    }
+
+    /// Joint, the joints it follows with their multipliers, offset, expression.
+    #[getter]
+    fn couples(&self) -> Vec<CoupleRow> {
+        let description = &self.mechanism.description;
+        let label = |name: &str| {
+            let link = description.links.iter().position(|l| l.name == name);
+            link.map_or(name, |l| description.joint_label(l)).to_owned()
+        };
+        let row = |couple: &Couple| {
+            let terms = couple.terms.iter();
+            let terms = terms.map(|t| (label(&t.joint), t.multiplier.text.clone()));
+            (
+                label(&couple.joint),
+                terms.collect(),
+                couple.offset.text.clone(),
+                couple.expression.as_ref().map(|e| e.text.clone()),
+            )
+        };
+        description.couples.iter().map(row).collect()
     }
 
     #[getter]
@@ -275,6 +299,36 @@ impl Robot {
         states.fill_blocks(py, self.regressor.independent(), out, |states, out| {
             self.regressor.torques(&x, states, out)
         })
+    }
+
+    /// The states of all joints of the tree, N x n numbers each.
+    fn expand<'py>(
+        &self,
+        py: Python<'py>,
+        q: PyReadonlyArray2<'_, f64>,
+        qd: PyReadonlyArray2<'_, f64>,
+        qdd: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<Vec<Bound<'py, PyArray1<f64>>>> {
+        let samples = OwnedStates::copy(&q, &qd, &qdd)?.into_samples();
+        let all = detached(py, || self.regressor.expand(samples.states()))?;
+        Ok(all.into_iter().map(|x| PyArray1::from_vec(py, x)).collect())
+    }
+
+    /// The loops: their sides and the joint that was cut.
+    #[getter]
+    fn loops(&self) -> Vec<([String; 2], &'static str)> {
+        let loops = self.mechanism.description.loops.iter();
+        let side = |side: &Option<String>| side.clone().unwrap_or_else(|| "base".to_owned());
+        loops
+            .map(|l| (l.between.each_ref().map(side), l.cut.name()))
+            .collect()
+    }
+
+    /// A closed configuration of all joints, which names the branch.
+    #[getter]
+    fn closed(&self) -> Option<Vec<f64>> {
+        let assembly = self.mechanism.assembly.as_ref()?;
+        Some(assembly.start.clone())
     }
 
     /// The base parameters, at random samples or at those given.

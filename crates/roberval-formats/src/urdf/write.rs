@@ -19,6 +19,10 @@ const BASE: &str = "base_link";
 /// has no body.
 pub fn to_urdf(mechanism: &Mechanism) -> Result<String, FormatError> {
     let refuse = |what: String| FormatError::new(Code::NotWritable, mechanism.name.as_str(), what);
+    if !mechanism.description.loops.is_empty() {
+        let what = "a URDF holds trees only: the robot's loops would be lost";
+        return Err(refuse(what.to_owned()).hint("keep the robot TOML"));
+    }
     let mut text = String::new();
     // Writing to a string does not fail.
     let _ = writeln!(text, "<?xml version=\"1.0\"?>");
