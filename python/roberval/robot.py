@@ -440,7 +440,7 @@ class Robot(Rendered):
 
     @property
     def rows(self) -> tuple[str, ...]:
-        """Names of the rows of d: joints; the wrench ``L.fx`` to ``L.mz`` on a link L that floats."""
+        """Names of the rows of d: joints; the wrench ``L.fx`` to ``L.mz`` if a link L floats."""
         return tuple(self._inner.coordinates[2])
 
     @property
@@ -628,7 +628,7 @@ class Robot(Rendered):
         Returns
         -------
         q, qd, qdd : ndarray, shape (tree joints,) or (N, tree joints)
-            In the order of the links that move.
+            In the order of the links that move, those of a floating base first.
 
         Raises
         ------
