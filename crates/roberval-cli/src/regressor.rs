@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use roberval_base::{BaseParameters, Model, base_parameters};
+use roberval_base::{BaseError, BaseParameters, Model, base_parameters};
 use roberval_mechanism::Mechanism;
 use roberval_regressor::{Regressor, RegressorError};
 
@@ -47,6 +47,8 @@ pub(crate) fn run(
         columns,
         states: &states,
     };
+    let all = states.slice(0, states.count, &mechanism);
+    w.regressor.check(all).map_err(BaseError::Regressor)?;
     target.write(out, |sink| w.write(sink))?;
     say(err, "note", &format!("{} of float64", w.describe()));
     Ok(doubt(base.as_ref(), err))
