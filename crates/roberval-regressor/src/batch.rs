@@ -139,7 +139,7 @@ impl Regressor {
         &self.space
     }
 
-    /// The number of samples N, if the states fit the robot.
+    /// The number of samples N, once it is sure that the states fit the robot.
     ///
     /// # Errors
     /// [`RegressorError`] if an array has the wrong length, a state is not finite or an
