@@ -386,6 +386,11 @@ impl Robot {
         })
     }
 
+    /// The regressor over floats.
+    pub fn float_regressor(&self) -> &Regressor {
+        &self.regressor
+    }
+
     /// The description before anything was set right.
     fn written(&self) -> &RobotDescription {
         match &self.mechanism.cleaning {
