@@ -250,7 +250,10 @@ def test_a_free_joint_of_mujoco_and_a_free_flyer_of_pinocchio_float() -> None:
         <body name='fin' pos='.1 .2 .3'><joint name='hinge' axis='0 1 0' armature='.2'/>
         <geom size='.1' pos='.3 .1 0' mass='2'/></body></body></worldbody></mujoco>"""
     )
-    for robot in (rv.Robot.from_mujoco(model), rv.Robot.from_pinocchio(pin.buildModelFromXML(FREE))):
+    for robot in (
+        rv.Robot.from_mujoco(model),
+        rv.Robot.from_pinocchio(pin.buildModelFromXML(FREE)),
+    ):
         assert robot.is_floating
         assert robot.velocities[0] == "hull.vx"
         assert robot.base_parameters().rank == 10 + 7 + 1
