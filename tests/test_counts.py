@@ -43,8 +43,12 @@ COUNTS = {
     "erd/alex_description/urdf/alex_nub_hands.urdf": (200, 144, 144),
     "erd/icub_description/robots/icub_reduced.urdf": (294, 214, 217),
     "erd/romeo_description/urdf/romeo_small.urdf": (297, 218, 218),
+    "erd/panda_description/urdf/panda.urdf": (87, 54, 55),
+    "erd/baxter_description/urdf/baxter.urdf": (178, 109, 111),
+    "erd/tiago_pro_description/robots/tiago_pro.urdf": (295, 162, 167),
+    "erd/pr2_description/urdf/pr2.urdf": (278, 149, 149),
 }
-"""c clean, b clean and b literal of each file. Files with mimic joints are not here."""
+"""c clean, b clean and b literal of each file; the last four have mimic joints."""
 
 RIGID = {
     "erd/asr_twodof_description/urdf/TwoDofs.urdf": 4,

@@ -130,10 +130,13 @@ def test_names_of_robot_files_cannot_leave_comments(tmp_path: Path) -> None:
 name = "{hostile}"
 [[link]]
 name = "a */ b"
+alpha = 0
 d = 0.5
+r = 0
 inertia = {{ ZZ = 1 }}
 [[link]]
 name = "while"
+alpha = 0
 d = 0.5
 r = 0.25
 """

@@ -29,7 +29,7 @@ from .exact import Exact, Surd
 from .linting import Finding, lint
 from .loading import CatalogueEntry, Cleaned, catalogue, clean_file, load
 from .options import Choice, Engine, Model, Number, Snap
-from .robot import Link, Loop, Robot
+from .robot import Couple, Link, Loop, Robot
 from .scaling import Grade, Scaling
 from .symbolic import SymbolicRelations
 
@@ -45,6 +45,7 @@ __all__ = [
     "Compiled",
     "Convention",
     "Count",
+    "Couple",
     "Diagnosis",
     "DoubtfulRankWarning",
     "Engine",

@@ -67,6 +67,27 @@ class Link(NamedTuple):
     rotor: bool
 
 
+class Couple(NamedTuple):
+    """A joint that follows from others: by a sum of multiples, or by an expression.
+
+    Attributes
+    ----------
+    joint : str
+        The joint that follows.
+    equals : dict of str to str
+        The joints it follows, with their multipliers as written.
+    offset : str
+        Its position where those stand at 0, as written.
+    expression : str or None
+        In place of these, an expression of the joints it follows.
+    """
+
+    joint: str
+    equals: dict[str, str]
+    offset: str
+    expression: str | None = None
+
+
 class Robot(Rendered):
     """A robot: a chain or tree of links and joints. Immutable.
 
@@ -421,6 +442,18 @@ class Robot(Rendered):
     def n(self) -> int:
         """Degrees of freedom: length of qd and qdd, number of rows of d."""
         return self._inner.dof
+
+    @property
+    def moving(self) -> tuple[str, ...]:
+        """Names of all moving joints, in link order: those that follow others among them."""
+        moving = (link for link in self._links if link.joint in ("revolute", "prismatic"))
+        return tuple(link.joint_name or link.name for link in moving)
+
+    @property
+    def couples(self) -> tuple[Couple, ...]:
+        """The joints that follow from others (couples of a robot TOML, mimic of a URDF)."""
+        rows = self._inner.couples
+        return tuple(Couple(joint, dict(terms), offset, text) for joint, terms, offset, text in rows)
 
     @property
     def nq(self) -> int:

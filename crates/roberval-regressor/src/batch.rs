@@ -139,6 +139,14 @@ impl Regressor {
         &self.space
     }
 
+    /// The number of samples N, once it is sure that the states fit the robot.
+    ///
+    /// # Errors
+    /// [`RegressorError`] if an array has the wrong length or a state is not finite.
+    pub fn check(&self, states: States<'_>) -> Result<usize, RegressorError> {
+        states.check(self.positions(), self.independent())
+    }
+
     /// All columns of a model: fills `out` (N x rows x C).
     ///
     /// # Errors
@@ -149,7 +157,7 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(self.positions(), self.independent())?;
+        let samples = self.check(states)?;
         let width = self.space.len();
         check_out(model, samples, self.independent(), width, out.len())?;
         let mut motions = self.motions(model, states);
@@ -174,7 +182,7 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(self.positions(), self.independent())?;
+        let samples = self.check(states)?;
         check_out(model, samples, self.independent(), columns.len(), out.len())?;
         let mut motions = self.motions(model, states);
         let mut rows = Rows::new(&self.tree, &self.space, Some(columns));
@@ -197,7 +205,7 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(self.positions(), self.independent())?;
+        let samples = self.check(states)?;
         let width = self.space.len();
         check_out(model, samples, self.independent(), width, out.len())?;
         let tree = self.tree.magnitude();
@@ -231,7 +239,7 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(self.positions(), self.independent())?;
+        let samples = self.check(states)?;
         check_length("x", self.space.len(), x.len(), "one number a parameter")?;
         check_out(Model::D, samples, self.independent(), 1, out.len())?;
         let mut motions = self.motions(Model::D, states);
@@ -270,7 +278,7 @@ impl Regressor {
     /// constraints have no value there.
     pub fn expand(&self, states: States<'_>) -> Result<[Vec<f64>; 3], RegressorError> {
         let m = self.independent();
-        let samples = states.check(self.positions(), m)?;
+        let samples = self.check(states)?;
         let mut all: [Vec<f64>; 3] = Default::default();
         let mut expanded = self.expansion.as_ref().map(Expansion::states);
         let positions = self.positions();

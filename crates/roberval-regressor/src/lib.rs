@@ -15,6 +15,7 @@ mod dynamics;
 mod energy;
 mod exact;
 mod expansion;
+mod formulas;
 mod loops;
 mod motion;
 mod newton_euler;

@@ -2,11 +2,13 @@
 //!
 //! * [`Scalar`]: the few operations that the regressor's recursion needs, so that one
 //!   source runs over floats, magnitudes (error bounds), finite fields and expressions.
+//! * [`Formula`]: expressions of joint variables, with their derivatives ([`Jet`]).
 //! * [`Decimal`], [`Expr`], [`Quantity`]: numbers as the user wrote them, kept exactly.
 
 mod cancel;
 mod double_double;
 mod field;
+mod formula;
 mod linear;
 mod literal;
 mod magnitude;
@@ -20,6 +22,7 @@ pub mod vector;
 pub use cancel::{Cancelled, cancellable, cancellation_point};
 pub use double_double::DoubleDouble;
 pub use field::{Fp, Modulus};
+pub use formula::{Formula, Jet};
 pub use linear::LinearInPi;
 pub use literal::{
     Constants, Decimal, Expr, LiteralError, LiteralFault, MAX_LITERAL_BYTES, MAX_LITERAL_DEPTH,
