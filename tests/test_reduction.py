@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 import roberval as rv
 from roberval import reducing
 
@@ -153,9 +152,7 @@ def test_the_command_says_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFi
     assert not out.exists()
 
 
-def test_dask_gives_the_same_bits_for_any_number_of_workers(
-    puma: rv.Robot, tmp_path: Path
-) -> None:
+def test_dask_gives_the_same_bits_for_any_number_of_workers(puma: rv.Robot, tmp_path: Path) -> None:
     frames = pytest.importorskip("dask.dataframe")
     distributed = pytest.importorskip("distributed")
     path = write(tmp_path, data(6, 400))[2]

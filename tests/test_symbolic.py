@@ -35,7 +35,7 @@ def test_relations_of_the_puma_are_table_v() -> None:
     assert symbolic.origins["YY_4"] == "rule: mass along a revolute joint's axis"
 
 
-@pytest.mark.parametrize("name", (*ROBOTS, "sr400"))
+@pytest.mark.parametrize("name", [*ROBOTS, "sr400"])
 def test_sympy_reads_the_relations_and_gives_beta(name: str) -> None:
     pytest.importorskip("sympy")
     base = rv.load(name).base_parameters()

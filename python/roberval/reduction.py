@@ -190,7 +190,9 @@ class ObservationQR:
         """Write R, qt_tau, residual_norm, samples and columns as an NPZ file."""
         target = Path(path)
         factor = self._inner.factor()
-        with tempfile.TemporaryDirectory(dir=target.resolve().parent, prefix=".roberval-") as folder:
+        with tempfile.TemporaryDirectory(
+            dir=target.resolve().parent, prefix=".roberval-"
+        ) as folder:
             written = Path(folder) / "R.npz"
             np.savez(
                 written,
@@ -208,7 +210,8 @@ class ObservationQR:
         return new
 
     def __repr__(self) -> str:
-        return f"ObservationQR({self._robot.name!r}, {len(self.columns)} columns, {self.samples} samples)"
+        columns = len(self.columns)
+        return f"ObservationQR({self._robot.name!r}, {columns} columns, {self.samples} samples)"
 
     def __reduce__(self) -> tuple[object, ...]:
         return _restore, (self._robot, self._inner.to_bytes())
