@@ -131,7 +131,7 @@ class Peer:
 
     def torques(self, *state: Array) -> Array:
         torques: Array = np.array(self.pin.rnea(self.model, self.data, *self.state(*state)))
-        return torques[self.rows]
+        return np.asarray(torques[self.rows])
 
     def check(self) -> None:
         labels = self.robot.parameters

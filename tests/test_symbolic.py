@@ -75,7 +75,7 @@ def test_numpy_code_gives_the_packages_numbers(name: str) -> None:
 
 @pytest.mark.parametrize("model", ["d", "d0", "h"])
 @pytest.mark.parametrize("name", ROBOTS)
-def test_a_compiled_regressor_is_the_regressor(name: str, model: str) -> None:
+def test_a_compiled_regressor_is_the_regressor(name: str, model: rv.Model) -> None:
     base = rv.load(name).base_parameters(model=model)
     compiled = base.compile()
     q, qd, qdd = states(base.robot.n)

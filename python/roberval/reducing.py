@@ -181,16 +181,16 @@ def reduce_dataset(
         raise MissingPackageError(
             "datasets need the package dask: pip install 'roberval[dask]'"
         ) from None
-    one = dask.delayed(reduce_partition, pure=False)
-    two = dask.delayed(merged, pure=False)
+    delayed = getattr(dask, "delayed")  # noqa: B009 (dask does not export it to type checkers)
+    one, two = delayed(reduce_partition, pure=False), delayed(merged, pure=False)
     parts = [one(part, model, columns, tuple(friction)) for part in dataset.to_delayed()]
     if not parts:
         return ObservationQR(model, columns, friction)
     while len(parts) > 1:
         pairs = [two(*parts[at : at + 2]) for at in range(0, len(parts) - 1, 2)]
         parts = pairs + parts[2 * len(pairs) :]
-    (result,) = dask.compute(parts[0])
-    return result  # type: ignore[no-any-return]
+    result: ObservationQR = parts[0].compute()
+    return result
 
 
 def reduce_partition(

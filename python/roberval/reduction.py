@@ -133,7 +133,7 @@ class ObservationQR:
             An array has the wrong shape or a number that is not finite: its row is named.
         """
         n = self._robot.n
-        states = arrays.states(q, qd, qdd, n)
+        states = arrays.states(q, qd, qdd, n, n)
         torques = np.atleast_2d(arrays.numbers("tau", tau))
         if torques.shape != states.q.shape:
             raise ShapeError(f"tau has shape {torques.shape} and q has {states.q.shape}")
