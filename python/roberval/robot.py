@@ -454,7 +454,9 @@ class Robot(Rendered):
     def couples(self) -> tuple[Couple, ...]:
         """The joints that follow from others (couples of a robot TOML, mimic of a URDF)."""
         rows = self._inner.couples
-        return tuple(Couple(joint, dict(terms), offset, text) for joint, terms, offset, text in rows)
+        return tuple(
+            Couple(joint, dict(terms), offset, text) for joint, terms, offset, text in rows
+        )
 
     @property
     def nq(self) -> int:
