@@ -70,7 +70,7 @@ def test_torques_are_those_of_pinocchio_on_the_tree_without_the_forces_of_the_lo
     values = dict(zip(robot.parameters, x.tolist(), strict=True))
     model = pin.Model()
     model.gravity.linear = robot.gravity
-    joints = {}
+    joints: dict[str, int] = {}
     for link, (parent, at) in {
         "crank": (None, 0.0),
         "coupler": ("crank", LENGTHS["crank"]),
