@@ -23,7 +23,8 @@ PAGE = Path(__file__).with_name("wheels.md")
 HEAD = """# Robots of PyPI's wheels
 
 `roberval lint` and `roberval base` over every URDF in wheels on PyPI, written by
-[wheel_table.py](wheel_table.py). No run crashed or hung, and every refusal names the file and the reason.
+[wheel_table.py](wheel_table.py). No run crashed or hung, and every refusal names the file and
+the reason.
 
 | wheel | URDF files | base parameters found | in doubt | refused | without findings | findings |
 |---|---|---|---|---|---|---|

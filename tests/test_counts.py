@@ -71,7 +71,12 @@ RIGID = {
 }
 """Published and recomputed counts of the rigid bodies' parameters alone, fixed base."""
 
-AS_MEANT = {"upkie/upkie.urdf": 22, "erd/icub_description/robots/icub_reduced.urdf": 216}
+AS_MEANT = {
+    "upkie/upkie.urdf": 22,
+    "erd/icub_description/robots/icub_reduced.urdf": 216,
+    "erd/panda_description/urdf/panda.urdf": 54,
+    "erd/tiago_pro_description/robots/tiago_pro.urdf": 166,
+}
 """What the diagnosis calls the count as written: there 1.5707963267948966 does mean pi/2."""
 
 FLOAT_SAFE = [name for name, (_, clean, literal) in COUNTS.items() if clean == literal]

@@ -133,10 +133,10 @@ class ObservationQR:
             An array has the wrong shape or a number that is not finite: its row is named.
         """
         n = self._robot.n
-        states = arrays.states(q, qd, qdd, n, n)
+        states = arrays.states(q, qd, qdd, self._robot.nq, n)
         torques = np.atleast_2d(arrays.numbers("tau", tau))
-        if torques.shape != states.q.shape:
-            raise ShapeError(f"tau has shape {torques.shape} and q has {states.q.shape}")
+        if torques.shape != states.qd.shape:
+            raise ShapeError(f"tau has shape {torques.shape} and qd has {states.qd.shape}")
         joints, rows = None, None
         if weights is not None:
             given = arrays.numbers("weights", weights)

@@ -349,8 +349,8 @@ class Robot(Rendered):
         Examples
         --------
         >>> import roberval as rv
-        >>> puma = rv.load("puma560")
-        >>> rv.Robot.from_urdf(puma.to_urdf()).base_parameters().base == puma.base_parameters().base
+        >>> arm = rv.load("ur5")
+        >>> rv.Robot.from_urdf(arm.to_urdf()).base_parameters().base == arm.base_parameters().base
         True
         """
         return self._inner.to_urdf()
