@@ -90,6 +90,7 @@ fn floating_robots_with_geared_joints_have_one_answer() {
                 multiplier: number(["-1", "3/2", "2", "-1/2"][seed as usize % 4]),
             }],
             offset: number("0"),
+            expression: None,
         });
         let robot = Mechanism::new(&description.with_floating_base()).expect("valid");
         assert_eq!(robot.positions(), 7 + names.len() - 1);
