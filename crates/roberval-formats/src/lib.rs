@@ -17,7 +17,7 @@ mod words;
 pub use catalogue::{CatalogueEntry, catalogue};
 pub use error::{Code, FormatError, Position};
 pub use lint::{Finding, Rule, Severity, lint};
-pub use load::{clean_file, load, load_with};
+pub use load::{Kind, clean_file, load, load_with, read_instead};
 pub use roberval_mechanism::RobotDescription;
 pub use source::MAX_FILE_BYTES;
 pub use toml::{clean_toml, parse_toml, to_toml};

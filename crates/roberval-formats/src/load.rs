@@ -1,5 +1,7 @@
+use std::collections::HashMap;
 use std::io::Read;
 use std::path::Path;
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use roberval_mechanism::{Change, CleanPolicy, NearMiss, RobotDescription};
 
@@ -46,9 +48,36 @@ pub fn clean_file(
 }
 
 /// What a robot file holds.
-pub(crate) enum Kind {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Robot TOML.
     Toml,
+    /// URDF.
     Urdf,
+}
+
+impl Kind {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Toml => "robot TOML",
+            Self::Urdf => "URDF",
+        }
+    }
+}
+
+/// Texts that stand for files that other programs read.
+static STAND_INS: LazyLock<Mutex<HashMap<String, (Kind, String)>>> = LazyLock::new(Mutex::default);
+
+/// From now on reads this text where the file of this path is asked for. For files in formats
+/// of other programs (MJCF, xacro), which have translated them.
+pub fn read_instead(path: &str, kind: Kind, text: String) {
+    let mut all = STAND_INS.lock().unwrap_or_else(PoisonError::into_inner);
+    all.insert(path.to_owned(), (kind, text));
+}
+
+fn stand_in(path: &str) -> Option<(Kind, String)> {
+    let all = STAND_INS.lock().unwrap_or_else(PoisonError::into_inner);
+    all.get(path).cloned()
 }
 
 /// Reads a robot file or built-in robot and hands on its text, its name and its kind.
@@ -58,6 +87,10 @@ pub(crate) fn with_text<T>(
 ) -> Result<T, FormatError> {
     if let Some(entry) = entry(path_or_name) {
         return read_text(entry.toml, entry.name, Kind::Toml);
+    }
+    if let Some((kind, text)) = stand_in(path_or_name) {
+        let name = format!("{path_or_name} (as {})", kind.name());
+        return read_text(&text, &name, kind);
     }
     let bytes = read(path_or_name)?;
     let text = decode(path_or_name, &bytes)?;

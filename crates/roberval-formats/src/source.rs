@@ -14,6 +14,8 @@ pub(crate) struct Source<'a> {
     pub text: &'a str,
     /// Faults that were read over, a sentence each.
     pub warnings: RefCell<Vec<(Position, String)>>,
+    /// All faults met, where more than the first is asked for.
+    faults: Option<RefCell<Vec<FormatError>>>,
 }
 
 impl<'a> Source<'a> {
@@ -29,7 +31,40 @@ impl<'a> Source<'a> {
             name,
             text,
             warnings,
+            faults: None,
         })
+    }
+
+    /// The same text, of which all faults are asked for.
+    pub fn collecting(mut self) -> Self {
+        self.faults = Some(RefCell::default());
+        self
+    }
+
+    /// Goes on with `value` in the place of a fault, where all faults are asked for.
+    pub fn or_go_on<T>(
+        &self,
+        result: Result<T, FormatError>,
+        value: impl FnOnce() -> T,
+    ) -> Result<T, FormatError> {
+        match (&self.faults, result) {
+            (Some(faults), Err(fault)) => {
+                faults.borrow_mut().push(fault);
+                Ok(value())
+            }
+            (_, result) => result,
+        }
+    }
+
+    /// Whether a fault was gone over: what follows from the whole cannot be told then.
+    pub fn has_faults(&self) -> bool {
+        let some = |faults: &RefCell<Vec<_>>| !faults.borrow().is_empty();
+        self.faults.as_ref().is_some_and(some)
+    }
+
+    /// The faults that were gone over.
+    pub fn take_faults(&self) -> Vec<FormatError> {
+        self.faults.as_ref().map(RefCell::take).unwrap_or_default()
     }
 
     /// Line and column of a byte; a byte outside the text counts as its end.
@@ -102,6 +137,7 @@ pub(crate) fn decode<'a>(name: &str, bytes: &'a [u8]) -> Result<&'a str, FormatE
             name,
             text: valid,
             warnings: RefCell::default(),
+            faults: None,
         };
         let byte = bytes[valid.len()];
         source

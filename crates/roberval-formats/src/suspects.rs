@@ -1,6 +1,6 @@
 //! What looks like a slip of the pen in a description: warnings, whatever the format.
 
-use roberval_mechanism::{Geometry, RobotDescription};
+use roberval_mechanism::{Geometry, LinkDescription, RobotDescription};
 use roberval_scalar::{Expr, Quantity};
 
 use crate::words::list;
@@ -10,17 +10,9 @@ pub(crate) const MOST_RADIANS: f64 = 7.0;
 
 /// The links whose angles look like degrees, in a sentence.
 pub(crate) fn degrees(robot: &RobotDescription) -> Option<String> {
-    let suspect = |q: &&Quantity| q.value.abs() > MOST_RADIANS && matches!(q.expr, Expr::Number(_));
-    let mut names = Vec::new();
-    for link in &robot.links {
-        let angles: Vec<&Quantity> = match &link.geometry {
-            Geometry::Mdh(g) => vec![&g.gamma, &g.alpha, &g.theta],
-            Geometry::Placed { origins, .. } => origins.iter().flat_map(|o| &o.rpy).collect(),
-        };
-        if angles.iter().any(suspect) {
-            names.push(link.name.as_str());
-        }
-    }
+    let suspect = |link: &&LinkDescription| in_degrees(link).is_some();
+    let names = robot.links.iter().filter(suspect);
+    let names: Vec<&str> = names.map(|link| link.name.as_str()).collect();
     let count = names.len();
     (count > 0).then(|| {
         format!(
@@ -29,6 +21,23 @@ pub(crate) fn degrees(robot: &RobotDescription) -> Option<String> {
             list(names)
         )
     })
+}
+
+/// The first angle of a link that looks like degrees, with its key in a robot TOML.
+pub(crate) fn in_degrees(link: &LinkDescription) -> Option<(&'static str, &Quantity)> {
+    let angles: Vec<_> = match &link.geometry {
+        Geometry::Mdh(g) => vec![
+            ("gamma", &g.gamma),
+            ("alpha", &g.alpha),
+            ("theta", &g.theta),
+        ],
+        Geometry::Placed { origins, .. } => {
+            let angles = origins.iter().flat_map(|o| &o.rpy);
+            angles.map(|angle| ("rpy", angle)).collect()
+        }
+    };
+    let suspect = |q: &Quantity| q.value.abs() > MOST_RADIANS && matches!(q.expr, Expr::Number(_));
+    angles.into_iter().find(|(_, angle)| suspect(angle))
 }
 
 #[cfg(test)]

@@ -18,8 +18,8 @@ use crate::source::{Source, check_size, stem};
 use crate::suspects;
 use crate::words::{nearest, quoted};
 pub use clean::clean_toml;
-pub(crate) use clean::{change_key, with_spans};
-use section::Section;
+pub(crate) use clean::with_places;
+use section::{Section, one};
 pub use write::to_toml;
 
 /// The largest robot TOML: ten thousand links have about 2 MiB.
@@ -63,15 +63,19 @@ const MDH_KEYS: [&str; 6] = ["gamma", "b", "alpha", "d", "theta", "r"];
 /// The first fault of the text with its line: syntax, unknown keys, wrong types, numbers
 /// without a finite value, links that are no tree, contradicting flags.
 pub fn parse_toml(text: &str, source_name: &str) -> Result<RobotDescription, FormatError> {
-    check_size(source_name, text.len(), MAX_TOML_BYTES)?;
-    let source = Source::new(source_name, text)?;
-    let document = Document::parse(source.text).map_err(|error| syntax(&source, &error))?;
-    let robot = Section::new(&source, document.as_table(), "robot", 0);
+    read(&Source::new(source_name, text)?)
+}
+
+/// Reads the robot of a source, which may go on after faults.
+pub(crate) fn read(source: &Source) -> Result<RobotDescription, FormatError> {
+    check_size(source.name, source.text.len(), MAX_TOML_BYTES)?;
+    let document = Document::parse(source.text).map_err(|error| syntax(source, &error))?;
+    let robot = Section::new(source, document.as_table(), "robot", 0);
     robot.only(ROBOT_KEYS)?;
 
     let constants = constants(&robot)?;
     let mut description = RobotDescription {
-        name: robot.name("name")?.unwrap_or_else(|| stem(source_name)),
+        name: robot.name("name")?.unwrap_or_else(|| stem(source.name)),
         gravity: gravity(&robot, &constants)?,
         links: Vec::new(),
         couples: Vec::new(),
@@ -84,7 +88,7 @@ pub fn parse_toml(text: &str, source_name: &str) -> Result<RobotDescription, For
     let tables = link_tables(&robot)?;
     for (number, (table, offset)) in (1..).zip(&tables) {
         let place = format!("link {number}");
-        let section = Section::new(&source, *table, &place, *offset);
+        let section = Section::new(source, *table, &place, *offset);
         let previous = description.links.last().map(|link| link.name.as_str());
         let link = link(
             &section,
@@ -92,14 +96,18 @@ pub fn parse_toml(text: &str, source_name: &str) -> Result<RobotDescription, For
             previous,
             &dependent,
             &description.constants,
-        )?;
-        description.links.push(link);
+        );
+        let link = source.or_go_on(link.map(Some), || None)?;
+        description.links.extend(link);
     }
     let placed = |link: &LinkDescription| matches!(link.geometry, Geometry::Placed { .. });
     if description.links.iter().any(placed) {
         description.format = SourceFormat::Placed;
     }
-    check_tree(&source, &description, &tables)?;
+    if !source.has_faults() {
+        let tree = check_tree(source, &description, &tables);
+        source.or_go_on(tree, || ())?;
+    }
     couple::couples(&robot, &mut description)?;
     description.loops = loops::read(&robot, &description)?;
     description.warnings = warnings(&description);
@@ -149,9 +157,11 @@ fn constants(robot: &Section) -> Result<Vec<(String, Quantity)>, FormatError> {
     for (name, _) in section.table.iter() {
         if !is_constant_name(name) {
             let what = format!("{} cannot name a constant", quoted(name));
-            return Err(section.fault(Code::BadName, name, what).hint(
+            let fault = section.fault(Code::BadName, name, what).hint(
                 "use letters, digits and _, no digit first, and not pi, sqrt, deg, nan or inf",
-            ));
+            );
+            section.source.or_go_on(Err(fault), || ())?;
+            continue;
         }
         if known.len() == MAX_CONSTANTS {
             let what = format!("there are more than {MAX_CONSTANTS} constants");
@@ -337,10 +347,6 @@ fn placement(
     })
 }
 
-fn one() -> Quantity {
-    Quantity::parse_decimal("1").unwrap_or_else(|_| Quantity::zero())
-}
-
 /// gamma and b default to 0 (a chain has neither), and so does the constant to which the
 /// joint variable is added; the others must be written. A floating base needs none.
 fn geometry(
@@ -430,8 +436,18 @@ fn check_tree(
     })
 }
 
-/// Values that no body has; base parameters do not need them, so they are no errors.
+/// Base parameters need no values, so that values that no body has are no errors.
 fn warnings(description: &RobotDescription) -> Vec<String> {
+    let links = description.links.iter();
+    let told = links.flat_map(|link| {
+        let name = quoted(&link.name);
+        negatives(link).map(move |what| format!("link {name}: {what} is negative"))
+    });
+    told.chain(suspects::degrees(description)).collect()
+}
+
+/// Values of a link that are negative and cannot be: `XX = -1`.
+pub(crate) fn negatives(link: &LinkDescription) -> impl Iterator<Item = String> {
     let positive = [
         ParameterKind::XX,
         ParameterKind::YY,
@@ -439,17 +455,8 @@ fn warnings(description: &RobotDescription) -> Vec<String> {
         ParameterKind::M,
         ParameterKind::Ia,
     ];
-    let mut warnings = Vec::new();
-    for link in &description.links {
-        for kind in positive {
-            if let Some(value) = &link.inertia[kind as usize]
-                && value.value < 0.0
-            {
-                let name = quoted(&link.name);
-                warnings.push(format!("link {name}: {kind} = {value} is negative"));
-            }
-        }
-    }
-    warnings.extend(suspects::degrees(description));
-    warnings
+    positive.into_iter().filter_map(|kind| {
+        let value = link.inertia[kind as usize].as_ref()?;
+        (value.value < 0.0).then(|| format!("{kind} = {value}"))
+    })
 }

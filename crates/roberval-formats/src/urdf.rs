@@ -11,6 +11,7 @@ mod prescan;
 mod tree;
 mod write;
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use roberval_mechanism::RobotDescription;
@@ -25,6 +26,9 @@ pub(crate) use joint::Joint;
 pub(crate) use link::Link;
 pub(crate) use node::Element;
 pub use write::to_urdf;
+
+/// The most namespace prefixes that nobody declared.
+const MAX_PREFIXES: usize = 8;
 
 /// The most XML nodes that are read.
 const MAX_NODES: u32 = 2_000_000;
@@ -76,15 +80,46 @@ pub(crate) fn with_robot<T>(
     read: impl FnOnce(&Element) -> Result<T, FormatError>,
 ) -> Result<T, FormatError> {
     prescan::check(source)?;
-    let limits = ParsingOptions {
-        nodes_limit: MAX_NODES,
-        ..ParsingOptions::default()
-    };
-    let document =
-        Document::parse_with_options(source.text, limits).map_err(|e| malformed(source, &e))?;
-    let root = Element::new(source, document.root_element(), "robot");
-    check_format(&root)?;
-    read(&root)
+    let mut text = Cow::Borrowed(source.text);
+    for _ in 0..=MAX_PREFIXES {
+        let limits = ParsingOptions {
+            nodes_limit: MAX_NODES,
+            ..ParsingOptions::default()
+        };
+        let prefix = match Document::parse_with_options(&text, limits) {
+            Ok(document) => {
+                let root = Element::new(source, document.root_element(), "robot");
+                check_format(&root)?;
+                return read(&root);
+            }
+            Err(Error::UnknownNamespace(prefix, _)) if prefix != "xacro" => prefix,
+            Err(error) => return Err(malformed(source, &error)),
+        };
+        text = Cow::Owned(without_prefix(source, &text, &prefix));
+    }
+    let what = format!("more than {MAX_PREFIXES} namespace prefixes are not declared");
+    Err(source.error(Code::TooMany, 0, what))
+}
+
+/// The text with `_` for the colon of an undeclared namespace prefix, which ROS reads over:
+/// everything stays where it is.
+fn without_prefix(source: &Source, text: &str, prefix: &str) -> String {
+    let name = format!("{prefix}:");
+    let mut changed = String::with_capacity(text.len());
+    let mut rest = 0;
+    for (at, _) in text.match_indices(&name) {
+        if text[..at].ends_with(|c: char| c == '<' || c == '/' || c.is_whitespace()) {
+            if rest == 0 {
+                let what = format!("the namespace prefix {} is not declared", quoted(prefix));
+                source.warn(at, "robot", &what);
+            }
+            changed.push_str(&text[rest..at]);
+            changed.push_str(prefix);
+            changed.push('_');
+            rest = at + name.len();
+        }
+    }
+    changed + &text[rest..]
 }
 
 fn malformed(source: &Source, error: &Error) -> FormatError {

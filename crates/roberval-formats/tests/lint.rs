@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use roberval_formats::{Finding, catalogue, lint};
+use roberval_formats::{Finding, Kind, catalogue, clean_toml, lint, read_instead};
+use roberval_mechanism::CleanPolicy;
 
 /// Lints a text as a file of this name.
 fn findings(name: &str, text: &str) -> Vec<Finding> {
@@ -170,4 +171,121 @@ fn what_is_no_robot_file_is_refused() {
     }
     assert!(lint("no_such_robot").is_err());
     std::fs::remove_dir_all(&folder).expect("still there");
+}
+
+#[test]
+fn one_run_finds_every_fault_of_a_robot_toml_each_in_its_line() {
+    let text = "\
+gravity = [0, 0]
+colour = 1
+[constants]
+pi = 3
+L = \"1 +\"
+[[link]]
+joint = \"revolut\"
+alpha = 0
+[[link]]
+name = 5
+alpha = \"x\"
+d = \"L\"
+theta = 1.5708
+gamma = 90
+r = [1]
+active = \"yes\"
+inertia = { XX = -1, QQ = 2, M = \"heavy\" }
+[[link]]
+antecedent = \"nowhere\"
+alpha = 0
+theta = 0
+r = 0
+[[couple]]
+joint = \"2\"
+equals = { \"1\" = \"a\" }
+near = 0
+[[loop]]
+between = [\"1\"]
+at = [[0, 0, 0], [0, 0, 0]]
+cut = \"spherical\"
+";
+    let found = findings("bad.toml", text);
+    let expected = [
+        (1, "E131"),
+        (2, "E130"),
+        (4, "E201"),
+        (5, "E105"),
+        (7, "E210"),
+        (10, "E131"),
+        (11, "E220"),
+        (13, "rounded-angle"),
+        (14, "degrees"),
+        (15, "E131"),
+        (16, "E131"),
+        (17, "inertia"),
+        (17, "E130"),
+        (17, "E220"),
+        (18, "E132"),
+        (25, "E220"),
+        (26, "E130"),
+        (28, "E131"),
+    ];
+    let expected = expected.map(|(line, rule)| (line, rule.to_owned()));
+    let text: Vec<String> = found.iter().map(ToString::to_string).collect();
+    assert_eq!(summary(&found), expected, "{}", text.join("\n"));
+}
+
+#[test]
+fn a_text_read_instead_of_a_file_is_named_as_such() {
+    let text = "[[link]]\nalpha = 1.5708\nd = 0\ntheta = 0\nr = 0\n";
+    read_instead("arm.xml", Kind::Toml, text.to_owned());
+    let found = lint("arm.xml").expect("a robot");
+    let text: Vec<String> = found.iter().map(ToString::to_string).collect();
+    assert_eq!(found.len(), 1, "{text:?}");
+    assert!(
+        text[0].starts_with("arm.xml (as robot TOML):2:9: warning"),
+        "{text:?}"
+    );
+}
+
+#[test]
+fn an_undeclared_namespace_prefix_is_read_over_with_a_remark() {
+    let text = r#"<robot name="r"><link name="a"/><link name="b"/>
+<joint name="j" type="continuous"><parent link="a"/><child link="b"/>
+<drake:reflected value="drake:x"/><axis xyz="0 0 1" drake:soft="1"/></joint></robot>"#;
+    let found = findings("prefix.urdf", text);
+    let remarks: Vec<_> = summary(&found)
+        .into_iter()
+        .filter(|(_, rule)| rule == "remark")
+        .collect();
+    assert_eq!(remarks, [(3, "remark".to_owned())], "{found:?}");
+}
+
+#[test]
+fn numbers_of_placed_links_and_of_loops_are_found_and_cleaned() {
+    let text = "\
+[[link]]
+xyz = [0, 0, 1e-9]
+rpy = [0, 1.5708, 0]
+axis = [0, 1, 0.0000001]
+[[link]]
+antecedent = \"base\"
+xyz = [1, 0, 0]
+[[loop]]
+between = [\"1\", \"2\"]
+frames = [{ xyz = [1, 0, 0], rpy = [3.1416, 0, 0] }, { }]
+cut = \"spherical\"
+";
+    let found = findings("placed.toml", text);
+    let expected = [
+        (2, "dust"),
+        (3, "rounded-angle"),
+        (4, "dust"),
+        (10, "rounded-angle"),
+    ];
+    let expected = expected.map(|(line, rule)| (line, rule.to_owned()));
+    assert_eq!(summary(&found), expected, "{found:?}");
+    let policy = CleanPolicy::default();
+    let (cleaned, changes, _) = clean_toml(text, "placed.toml", &policy).expect("a robot");
+    assert_eq!(changes.len(), 4, "{changes:?}");
+    let again = findings("placed.toml", &cleaned);
+    assert!(again.is_empty(), "{cleaned}\n{again:?}");
 }

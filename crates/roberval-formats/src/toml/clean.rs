@@ -1,8 +1,8 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use roberval_mechanism::{Change, CleanPolicy, Field, NearMiss, RobotDescription, clean};
-use toml_edit::{Document, Item, Value};
+use roberval_mechanism::{Change, CleanPolicy, Field, NearMiss, clean};
+use toml_edit::{Document, Item, TableLike, Value};
 
 use super::{Section, link_tables, loops, parse_toml, syntax, write};
 use crate::error::FormatError;
@@ -24,17 +24,8 @@ pub fn clean_toml(
     let description = parse_toml(text, source_name)?;
     let cleaned = clean(&description, policy);
     let source = Source::new(source_name, text)?;
-    let document = Document::parse(source.text).map_err(|error| syntax(&source, &error))?;
-    let robot = Section::new(&source, document.as_table(), "robot", 0);
-    let edits = with_spans(&source, &description, |span| {
-        let edit = |change: &Change| {
-            let (key, index) = change_key(change);
-            let range = match change.loop_frame() {
-                Some(frame) => loops::span(&robot, frame, change.field),
-                None => span(change.link.as_deref(), &key, index),
-            }?;
-            Some((range, write::number(&change.became)))
-        };
+    let edits = with_places(&source, |places| {
+        let edit = |change: &Change| Some((places.change(change)?, write::number(&change.became)));
         cleaned.changes.iter().filter_map(edit).collect()
     })?;
     let spliced = splice(source.text, edits);
@@ -46,39 +37,65 @@ pub fn clean_toml(
     ))
 }
 
-/// Finds values in the text: of a link (`None`: of the robot) by their key, and by their
-/// place where they are one of several.
-pub(crate) type Span<'a> = &'a dyn Fn(Option<&str>, &str, Option<usize>) -> Option<Range<usize>>;
+/// Finds values in a text.
+pub(crate) struct Places<'s, 'd> {
+    robot: Section<'s, 'd>,
+    /// The links by their names, not by number: one with faults may be missing in the
+    /// description.
+    links: HashMap<String, &'d dyn TableLike>,
+}
 
-/// Hands on a [`Span`] for the text that the description was read from.
-pub(crate) fn with_spans<T>(
-    source: &Source,
-    description: &RobotDescription,
-    use_spans: impl FnOnce(Span<'_>) -> T,
-) -> Result<T, FormatError> {
-    let document = Document::parse(source.text).map_err(|error| syntax(source, &error))?;
-    let robot = Section::new(source, document.as_table(), "robot", 0);
-    let names = description.links.iter().map(|link| link.name.as_str());
-    let tables = link_tables(&robot)?.into_iter().map(|(table, _)| table);
-    let tables: HashMap<_, _> = names.zip(tables).collect();
-    let find = |link: Option<&str>, key: &str, index: Option<usize>| {
+impl Places<'_, '_> {
+    /// The value of a link (`None`: of the robot) by its key, and by its place where it is
+    /// one of several.
+    pub fn value(
+        &self,
+        link: Option<&str>,
+        key: &str,
+        index: Option<usize>,
+    ) -> Option<Range<usize>> {
         let table = match link {
-            None => robot.table,
-            Some(link) => *tables.get(link)?,
+            None => self.robot.table,
+            Some(link) => *self.links.get(link)?,
         };
         let value = table.get(key).and_then(Item::as_value)?;
         match index {
             None => value.span(),
             Some(k) => value.as_array()?.get(k).and_then(Value::span),
         }
-    };
-    Ok(use_spans(&find))
+    }
+
+    /// A number that was changed.
+    pub fn change(&self, change: &Change) -> Option<Range<usize>> {
+        if let Some(frame) = change.loop_frame() {
+            return loops::span(&self.robot, frame, change.field);
+        }
+        let name = change.field.to_string();
+        let (key, index) = match change.field {
+            Field::Gravity(k) => ("gravity", Some(k)),
+            Field::Xyz(k) => ("xyz", Some(k)),
+            Field::Rpy(k) => ("rpy", Some(k)),
+            Field::Axis(k) => ("axis", Some(k)),
+            _ => (name.as_str(), None),
+        };
+        self.value(change.link.as_deref(), key, index)
+    }
 }
 
-/// The key of a changed number, and its place where it is one of several.
-pub(crate) fn change_key(change: &Change) -> (String, Option<usize>) {
-    match change.field {
-        Field::Gravity(k) => ("gravity".to_owned(), Some(k)),
-        field => (field.to_string(), None),
-    }
+/// Hands on the [`Places`] of a text.
+pub(crate) fn with_places<T>(
+    source: &Source,
+    use_places: impl FnOnce(&Places) -> T,
+) -> Result<T, FormatError> {
+    let document = Document::parse(source.text).map_err(|error| syntax(source, &error))?;
+    let robot = Section::new(source, document.as_table(), "robot", 0);
+    let name = |number: usize, table: &dyn TableLike| {
+        let name = table.get("name").and_then(Item::as_str);
+        name.map_or_else(|| number.to_string(), str::to_owned)
+    };
+    let links = (1..)
+        .zip(link_tables(&robot)?)
+        .map(|(number, (table, _))| (name(number, table), table))
+        .collect();
+    Ok(use_places(&Places { robot, links }))
 }

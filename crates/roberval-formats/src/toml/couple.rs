@@ -32,8 +32,12 @@ pub(super) fn couples(
     for (number, (table, offset)) in (1..).zip(&tables) {
         let place = format!("couple {number}");
         let section = Section::new(robot.source, *table, &place, *offset);
-        let couple = couple(&section, description)?;
-        description.couples.push(couple);
+        let couple = couple(&section, description).map(Some);
+        let couple = robot.source.or_go_on(couple, || None)?;
+        description.couples.extend(couple);
+    }
+    if robot.source.has_faults() {
+        return Ok(());
     }
     let order: Vec<usize> = (0..description.links.len()).collect();
     match Closure::of(description, &order) {

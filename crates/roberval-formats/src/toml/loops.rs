@@ -26,9 +26,10 @@ pub(super) fn read(
     for (number, (table, offset)) in (1..).zip(&tables) {
         let place = format!("loop {number}");
         let section = Section::new(robot.source, *table, &place, *offset);
-        loops.push(closure(&section, number, description)?);
+        let closure = closure(&section, number, description).map(Some);
+        loops.extend(robot.source.or_go_on(closure, || None)?);
     }
-    if loops.is_empty() {
+    if loops.is_empty() || robot.source.has_faults() {
         return Ok(loops);
     }
     let with_loops = RobotDescription {

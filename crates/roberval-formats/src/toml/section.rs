@@ -53,16 +53,21 @@ impl<'s, 'd> Section<'s, 'd> {
 
     /// Refuses keys that are not in the list.
     pub fn only(&self, known: &[&str]) -> Result<(), FormatError> {
-        let Some((key, _)) = self.table.iter().find(|(key, _)| !known.contains(key)) else {
-            return Ok(());
-        };
+        let unknown = self.table.iter().filter(|(key, _)| !known.contains(key));
+        for (key, _) in unknown {
+            self.source.or_go_on(Err(self.unknown(key, known)), || ())?;
+        }
+        Ok(())
+    }
+
+    fn unknown(&self, key: &str, known: &[&str]) -> FormatError {
         let what = format!("unknown key {}", quoted(key));
         let error = self.fault(Code::UnknownKey, key, what);
         let all = known.join(", ");
-        Err(match nearest(key, known.iter().copied()) {
+        match nearest(key, known.iter().copied()) {
             Some(near) => error.hint(format!("did you mean {near}? known keys: {all}")),
             None => error.hint(format!("known keys: {all}")),
-        })
+        }
     }
 
     pub fn wrong_type(&self, key: &str, item: &Item, wanted: &str) -> FormatError {
@@ -102,25 +107,24 @@ impl<'s, 'd> Section<'s, 'd> {
 
     /// A string that is a valid name.
     pub fn name(&self, key: &str) -> Result<Option<String>, FormatError> {
-        let Some(name) = self.string(key)? else {
-            return Ok(None);
-        };
-        match name_fault(name) {
-            None => Ok(Some(name.to_owned())),
-            Some(what) => Err(self.fault(Code::BadName, key, what)),
-        }
+        let name = self
+            .string(key)
+            .and_then(|name| match name.and_then(name_fault) {
+                None => Ok(name.map(str::to_owned)),
+                Some(what) => Err(self.fault(Code::BadName, key, what)),
+            });
+        self.source.or_go_on(name, || None)
     }
 
     pub fn boolean(&self, key: &str) -> Result<Option<bool>, FormatError> {
         let Some(item) = self.table.get(key) else {
             return Ok(None);
         };
-        match item.as_bool() {
-            Some(flag) => Ok(Some(flag)),
-            None => Err(self
-                .wrong_type(key, item, "true or false")
-                .hint("write it without quotes")),
-        }
+        let flag = item.as_bool().map(Some).ok_or_else(|| {
+            self.wrong_type(key, item, "true or false")
+                .hint("write it without quotes")
+        });
+        self.source.or_go_on(flag, || None)
     }
 
     /// A table inside this one.
@@ -150,11 +154,12 @@ impl<'s, 'd> Section<'s, 'd> {
         read: Read,
         constants: &Constants,
     ) -> Result<Option<Quantity>, FormatError> {
-        match self.table.get(key) {
+        let number = match self.table.get(key) {
             None => Ok(None),
             Some(Item::Value(value)) => self.number(key, value, read, constants).map(Some),
             Some(item) => Err(self.not_a_number(key, item)),
-        }
+        };
+        self.source.or_go_on(number, || Some(one()))
     }
 
     /// Three numbers or expressions.
@@ -167,12 +172,15 @@ impl<'s, 'd> Section<'s, 'd> {
         let Some(item) = self.table.get(key) else {
             return Ok(None);
         };
-        let Some(array) = item.as_array() else {
-            return Err(self
+        let three = match item.as_array() {
+            Some(array) => self.three(key, array, read, constants),
+            None => Err(self
                 .wrong_type(key, item, "three numbers")
-                .hint(format!("write {key} = [0, 0, 1]")));
+                .hint(format!("write {key} = [0, 0, 1]"))),
         };
-        self.three(key, array, read, constants).map(Some)
+        self.source
+            .or_go_on(three, || [(); 3].map(|()| one()))
+            .map(Some)
     }
 
     /// The three numbers of an array.
@@ -222,4 +230,9 @@ impl<'s, 'd> Section<'s, 'd> {
             self.source.literal(range, &text, error).place(place)
         })
     }
+}
+
+/// The number 1, which is allowed wherever a number is.
+pub(super) fn one() -> Quantity {
+    Quantity::parse_decimal("1").unwrap_or_else(|_| Quantity::zero())
 }

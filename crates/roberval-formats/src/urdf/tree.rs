@@ -100,7 +100,7 @@ fn above(
                 quoted(&joints[first].name)
             );
             return Err(fault(source, &joints[joint], Code::TwoParents, what)
-                .hint("a link has one parent; closed loops come with a later version"));
+                .hint("a link has one parent; a closed loop is a [[loop]] of a robot TOML"));
         }
     }
     Ok(above)

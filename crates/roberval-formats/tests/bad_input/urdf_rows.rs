@@ -54,10 +54,10 @@ pub const FILES: &[Row] = &[
         &["r.urdf:1:"],
     ),
     (
-        "xml: undeclared prefix",
-        "<robot name='r'>\n<sensor:camera/></robot>",
-        "E103",
-        &["r.urdf:2:", "sensor"],
+        "xml: many undeclared prefixes",
+        "<robot name='r'>\n<a:x/><b:x/><c:x/><d:x/><e:x/><f:x/><g:x/><h:x/><i:x/></robot>",
+        "E604",
+        &["r.urdf:", "namespace prefixes"],
     ),
     (
         "xml: document type",
