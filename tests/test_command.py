@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -75,3 +76,10 @@ def test_ctrl_c_ends_the_command(tmp_path: Path) -> None:
         assert process.communicate(timeout=60) == (b"", b"")
         os.close(writer)
     assert process.returncode == -signal.SIGINT
+
+
+def test_the_help_of_reduce_lists_what_it_takes() -> None:
+    told = set(re.findall(r"--[a-z]+", run("reduce", "--help").stdout.partition("Options:")[2]))
+    taken = set(re.findall(r"--[a-z]+", run("reduce").stderr))
+    assert taken <= told
+    assert told - taken == {"--help", "--output"}  # argparse's usage has -o alone

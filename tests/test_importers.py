@@ -207,6 +207,29 @@ def test_the_command_takes_mjcf_by_its_content(tmp_path: Path) -> None:
     assert done.stdout.startswith("tricky\n5 links (3 revolute, 2 prismatic)")
 
 
+@pytest.mark.parametrize("entry", ["show", "base", "code", "clean", "lint"])
+def test_commands_name_the_file_that_was_asked_for(entry: str, tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    file = tmp_path / "round.xml"
+    file.write_text((TRICKY % "").replace('euler="10 20 30"', 'euler="0.00001 0 0"'))
+    command = [sys.executable, "-m", "roberval", entry, str(file)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode in (0, 1), done.stderr
+    if entry == "lint":
+        assert done.stdout.startswith(f"{file} (as robot TOML):")
+        assert f"roberval clean {file} -o FILE" in done.stderr
+        assert [str(found) for found in rv.lint(file)] == done.stdout.splitlines()
+    if entry == "clean":
+        assert rv.Robot.from_toml(done.stdout).name == "tricky"
+    assert "Traceback" not in done.stderr
+
+
+def test_a_model_without_joints_is_refused() -> None:
+    pytest.importorskip("mujoco")
+    with pytest.raises(rv.RobotError, match="nothing moves"):
+        rv.Robot.from_mujoco("<mujoco/>")
+
+
 def test_xacro_is_expanded(tmp_path: Path) -> None:
     pytest.importorskip("xacrodoc")
     file = tmp_path / "arm.urdf.xacro"

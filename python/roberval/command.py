@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import signal
 import sys
-import tempfile
-from contextlib import ExitStack
-from pathlib import Path
 
 from . import _core, importers
 from .errors import RobervalError
 
-TAKES_A_ROBOT = ("show", "base", "compare", "regressor", "scale", "lint")
+TAKES_A_ROBOT = ("show", "base", "compare", "clean", "regressor", "scale", "code", "lint")
 """Subcommands whose robot may be a MJCF or xacro file, or a name of robot_descriptions."""
 
-OTHER_FILES = ("-o", "--output", "--certificate", "--report")
+OTHER_FILES = ("-o", "--output", "--certificate", "--report", "--sympy")
 """Options whose value is a file that is written."""
 
 BAD_INPUT = 2
@@ -22,7 +19,8 @@ BAD_INPUT = 2
 
 def main() -> int:
     """Run the command line with the arguments of this process; return the exit code."""
-    if sys.argv[1:2] == ["reduce"]:
+    helps = {"-h", "--help"} & set(sys.argv)
+    if sys.argv[1:2] == ["reduce"] and not helps:
         from . import reducing
 
         return reducing.command(sys.argv[2:])
@@ -32,17 +30,16 @@ def main() -> int:
     if hasattr(signal, "SIGPIPE"):
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     sys.stdout.flush()
-    with ExitStack() as stack:
-        try:
-            arguments = imported(sys.argv[1:], stack)
-        except RobervalError as error:
-            print(f"roberval: error: {error}", file=sys.stderr)
-            return BAD_INPUT
-        return _core.run_cli(arguments)
+    try:
+        arguments = imported(sys.argv[1:])
+    except RobervalError as error:
+        print(f"roberval: error: {error}", file=sys.stderr)
+        return BAD_INPUT
+    return _core.run_cli(arguments)
 
 
-def imported(arguments: list[str], stack: ExitStack) -> list[str]:
-    """Put in the place of other programs' robot files what the core reads itself."""
+def imported(arguments: list[str]) -> list[str]:
+    """Let the core read translations of other programs' robot files."""
     if not arguments or arguments[0] not in TAKES_A_ROBOT:
         return arguments
     changed = list(arguments)
@@ -50,19 +47,9 @@ def imported(arguments: list[str], stack: ExitStack) -> list[str]:
         word = arguments[place]
         if word.startswith("-") or arguments[place - 1] in OTHER_FILES:
             continue
-        path = Path(word)
-        if not path.exists() and not (path := importers.described(word) or path).exists():
-            continue
-        if kind := importers.kind_of(path):
-            read = importers.read(path, kind)
-            for warning in read.warnings:
-                print(f"roberval: warning: {warning}", file=sys.stderr)
-            folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="roberval-"))
-            target = Path(folder) / f"{path.stem}.{read.kind}"
-            target.write_text(read.text, encoding="utf-8")
-            changed[place] = str(target)
-        elif str(path) != word:
-            changed[place] = str(path)
+        changed[place], warnings = importers.stand_in(word)
+        for warning in warnings:
+            print(f"roberval: warning: {warning}", file=sys.stderr)
     return changed
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import NamedTuple
 
-from . import _core
+from . import _core, importers
 
 
 class Finding(NamedTuple):
@@ -49,7 +49,8 @@ def lint(path_or_name: str | os.PathLike[str]) -> list[Finding]:
     Parameters
     ----------
     path_or_name : str or path
-        A robot TOML or URDF file, or a name of `catalogue`.
+        What `load` takes. Lines of a MJCF or xacro file are those of its translation to robot
+        TOML or URDF, and its name says so.
 
     Returns
     -------
@@ -66,4 +67,5 @@ def lint(path_or_name: str | os.PathLike[str]) -> list[Finding]:
     >>> rv.lint("two_link")
     []
     """
-    return [Finding(*row) for row in _core.lint(os.fspath(path_or_name))]
+    path, _ = importers.stand_in(os.fspath(path_or_name))
+    return [Finding(*row) for row in _core.lint(path)]

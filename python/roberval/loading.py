@@ -116,7 +116,8 @@ def clean_file(
     """Write a robot file with its rounded angles and dust set right.
 
     Comments, order and everything else stay byte for byte. The file is written as a whole or
-    not at all; it may be the one that is read.
+    not at all; it may be the one that is read. What `load` has others read is written as robot
+    TOML (MJCF) or URDF (xacro).
 
     Parameters
     ----------
@@ -139,7 +140,8 @@ def clean_file(
         `output` cannot be written.
     """
     snap = "aggressive" if aggressive else "default"
-    text, changes, near_misses = _core.clean_file(_path("clean_file", path_or_name), snap)
+    path, _ = importers.stand_in(_path("clean_file", path_or_name))
+    text, changes, near_misses = _core.clean_file(path, snap)
     files.write(output, text)
     return Cleaned(tuple(changes), tuple(near_misses))
 

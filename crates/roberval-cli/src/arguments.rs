@@ -23,6 +23,7 @@ Examples:
   roberval clean arm.urdf -o clean.urdf       1.5708 becomes pi/2
   roberval regressor arm.urdf states.csv -o W.npy
   roberval scale arm.urdf --format csv        well scaled samples
+  roberval reduce arm.urdf log.csv -o R.npz   what least squares needs of long logs
   roberval lint arm.urdf                      what is wrong with a robot file
   roberval base puma560 --symbolic            relations in D3, R3, D4, R4
   roberval code puma560 --lang c -o puma.c    inverse dynamics as code
@@ -109,6 +110,15 @@ Examples:
   roberval code arm.urdf --lang python --what regressor -o arm_regressor.py
   roberval code arm.urdf --counts";
 
+const REDUCE: &str = "\
+Samples are files with the columns q_1.., qd_1.., qdd_1.. and tau_1.. (CSV, Parquet) or the arrays
+q, qd, qdd and tau (NPZ). R.npz has R, Q'tau (qt_tau), residual_norm, samples and the columns'
+names: numpy.load. The memory it takes does not grow with the samples.
+
+Examples:
+  roberval reduce arm.urdf log1.csv log2.parquet -o R.npz --base --friction viscous coulomb
+  roberval reduce arm.urdf logs/*.npz -o R.npz --checkpoint R.tmp.npz      resumes where it was";
+
 const SCALE: &str = "\
 The table shows what the search gained over random samples. --format csv writes the samples
 found, in the form that `roberval regressor` reads; --format json has both.";
@@ -150,6 +160,9 @@ pub(crate) enum Command {
     /// Search for samples that scale W (section 4 of the paper's method)
     #[command(after_help = SCALE)]
     Scale(ScaleArgs),
+    /// Reduce logs of states and torques to what least squares needs (Python's wheel only)
+    #[command(after_help = REDUCE)]
+    Reduce(ReduceArgs),
     /// Write a shell's completions of this command
     #[command(after_help = COMPLETIONS)]
     Completions(CompletionsArgs),
@@ -157,7 +170,7 @@ pub(crate) enum Command {
 
 #[derive(Debug, Args)]
 pub(crate) struct ShowArgs {
-    /// Name of a built-in robot, or a robot TOML or URDF file
+    /// A built-in robot, or a file: robot TOML or URDF; from Python's wheel also MJCF or xacro
     #[arg(value_parser = NonEmptyStringValueParser::new())]
     pub robot: Option<String>,
     /// Show the known inertial parameters instead, in this order and frame
@@ -298,6 +311,34 @@ pub(crate) struct ScaleArgs {
     pub output: OutputArgs,
 }
 
+/// What `roberval reduce` of the Python package takes: here for the help and the completions.
+#[derive(Debug, Args)]
+pub(crate) struct ReduceArgs {
+    /// A built-in robot, or a robot file
+    pub robot: String,
+    /// Logs: CSV, NPZ or Parquet files
+    #[arg(required = true)]
+    pub samples: Vec<PathBuf>,
+    /// The NPZ file to write
+    #[arg(short, long, value_name = "R.npz")]
+    pub output: PathBuf,
+    /// Only the columns of the base parameters
+    #[arg(long)]
+    pub base: bool,
+    /// Columns of friction to add
+    #[arg(long, num_args = 0.., value_parser = ["viscous", "coulomb", "offset"])]
+    pub friction: Vec<String>,
+    /// Threads [default: one a core]
+    #[arg(long, value_name = "T")]
+    pub threads: Option<usize>,
+    /// Save progress in this file, and resume from it
+    #[arg(long, value_name = "FILE")]
+    pub checkpoint: Option<PathBuf>,
+    /// No progress bar
+    #[arg(long)]
+    pub quiet: bool,
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct CleanArgs {
     /// A robot TOML or URDF file, or the name of a built-in robot
@@ -313,7 +354,7 @@ pub(crate) struct CleanArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct RobotArgs {
-    /// Name of a built-in robot, or a robot TOML or URDF file
+    /// A built-in robot, or a file: robot TOML or URDF; from Python's wheel also MJCF or xacro
     #[arg(value_parser = NonEmptyStringValueParser::new())]
     pub robot: String,
     #[command(flatten)]

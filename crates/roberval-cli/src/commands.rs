@@ -39,6 +39,9 @@ pub(crate) fn execute(
         Command::Regressor(args) => regressor::run(args, out, err),
         Command::Scale(args) => scale(args, out, err, look),
         Command::Code(args) => code::run(args, out, err, look),
+        Command::Reduce(_) => Err(CliError::Usage(
+            "reduce is in the command of the Python package, not in this one".to_owned(),
+        )),
     }
 }
 

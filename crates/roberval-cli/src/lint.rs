@@ -48,9 +48,11 @@ pub(crate) fn run(
     );
     let rounded = |f: &&Finding| matches!(f.rule, Rule::RoundedAngle | Rule::Dust);
     if let Some(first) = findings.iter().find(rounded) {
+        // A text read instead of a file has a longer name.
+        let asked = args.files.iter().find(|file| first.file.starts_with(*file));
         let advice = format!(
             "roberval clean {} -o FILE sets rounded numbers right and nothing else",
-            first.file
+            asked.unwrap_or(&first.file)
         );
         say(err, "note", &advice);
     }

@@ -55,8 +55,9 @@ impl Clock {
             while stopped.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
                 shown = true;
                 let seconds = start.elapsed().as_secs();
-                // A closed standard error must not stop the work.
-                let _ = write!(io::stderr(), "\rroberval: working, {seconds} s");
+                // A closed standard error must not stop the work. The cursor goes back, so that
+                // what is said meanwhile replaces the line.
+                let _ = write!(io::stderr(), "roberval: working, {seconds} s\r");
             }
             if shown {
                 let _ = write!(io::stderr(), "\r\x1b[K");

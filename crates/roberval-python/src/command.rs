@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 
 use pyo3::prelude::*;
+use roberval_formats::{self as formats, Kind};
 
 /// Runs the command line with these arguments (without the program's name) on the
 /// process's own stdout and stderr; gives the exit code.
@@ -18,4 +19,11 @@ pub fn run_cli(py: Python<'_>, arguments: Vec<OsString>) -> i32 {
             roberval_cli::Look::of_terminal(),
         )
     })
+}
+
+/// From now on reads this text, robot TOML (or URDF), where the file of this path is asked for.
+#[pyfunction]
+pub fn read_instead(path: &str, urdf: bool, text: String) {
+    let kind = if urdf { Kind::Urdf } else { Kind::Toml };
+    formats::read_instead(path, kind, text);
 }

@@ -31,5 +31,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(conventions::lint, module)?)?;
     module.add_function(wrap_pyfunction!(conventions::conventions, module)?)?;
     module.add_function(wrap_pyfunction!(conventions::convert, module)?)?;
+    module.add_function(wrap_pyfunction!(command::read_instead, module)?)?;
     module.add_function(wrap_pyfunction!(command::run_cli, module)?)
 }

@@ -9,6 +9,7 @@ import re
 from pathlib import Path
 from typing import Literal, NamedTuple
 
+from .. import _core
 from ..errors import MissingPackageError
 
 Kind = Literal["mjcf", "xacro"]
@@ -72,6 +73,28 @@ def read(path: Path, kind: Kind) -> Text:
     from . import xacro
 
     return xacro.from_file(path)
+
+
+def stand_in(path_or_name: str) -> tuple[str, tuple[str, ...]]:
+    """Let the core read a translation where it is asked for a file that it cannot read itself.
+
+    Returns
+    -------
+    str
+        The path to ask the core for.
+    tuple of str
+        What was left out, for the user.
+    """
+    path = Path(path_or_name)
+    if not path.exists():
+        path = described(path_or_name) or path
+        path_or_name = str(path)
+    kind = kind_of(path)
+    if kind is None:
+        return path_or_name, ()
+    found = read(path, kind)
+    _core.read_instead(path_or_name, found.kind == "urdf", found.text)
+    return path_or_name, found.warnings
 
 
 def missing(what: str, package: str) -> MissingPackageError:

@@ -22,18 +22,18 @@ from . import Text, missing, placed
 from .placed import Couple, Link, Loop
 
 
-def library() -> Any:
+def library(what: str = "reading MuJoCo models") -> Any:
     """Import MuJoCo or say what to install."""
     try:
         import mujoco
     except ImportError:
-        raise missing("reading MuJoCo models", "mujoco") from None
+        raise missing(what, "mujoco") from None
     return mujoco
 
 
 def from_file(path: Path) -> Text:
     """Read a MJCF file."""
-    mujoco = library()
+    mujoco = library(f"{path}: reading MJCF")
     try:
         model = mujoco.MjModel.from_xml_path(str(path))
     except ValueError as error:
@@ -70,6 +70,8 @@ def from_model(model: Any, fallback: str) -> Text:
     reader = Reader(model)
     for body in range(1, model.nbody):
         reader.body(body)
+    if not reader.links:
+        raise RobotError(f"{fallback}: no body of the MuJoCo model has a joint: nothing moves")
     couples, loops = reader.constraints()
     if loops:
         reader.driven()

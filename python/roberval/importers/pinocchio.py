@@ -38,6 +38,8 @@ def from_model(model: Any) -> Text:
     reader = Reader(pinocchio, model)
     for joint in range(1, model.njoints):
         reader.joint(joint)
+    if not reader.links:
+        raise RobotError("the Pinocchio model has no joint: nothing moves")
     text = placed.toml(model.name or "robot", model.gravity.linear, reader.links, reader.couples)
     return Text("toml", text, tuple(reader.warnings))
 
