@@ -73,8 +73,15 @@ fn map(answer: &BaseParameters) -> String {
         top + sums.len() * CELL + 10,
     );
     let mut svg = format!(
-        "<svg class=\"wide\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\
+        "<svg class=\"wide\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
+         data-cell=\"{CELL}\" data-of=\"{}\">\
          <rect class=\"back\" x=\"{left}\" y=\"{top}\" width=\"{}\" height=\"{}\"/>",
+        // A line each for the script: no label has a line break.
+        others
+            .iter()
+            .map(|o| text(o))
+            .collect::<Vec<_>>()
+            .join("\n"),
         others.len() * CELL,
         sums.len() * CELL
     );
@@ -93,25 +100,27 @@ fn map(answer: &BaseParameters) -> String {
     for (i, sum) in sums.iter().enumerate() {
         let _ = write!(
             svg,
-            "<text class=\"tiny\" text-anchor=\"end\" x=\"{}\" y=\"{}\">{}</text>",
+            "<text class=\"tiny\" text-anchor=\"end\" x=\"{}\" y=\"{}\">{}</text>\
+             <g transform=\"translate({} {})\" data-of=\"{}\">",
             left - 6,
             top + i * CELL + 11,
-            text(&short(sum, LONGEST))
+            text(&short(sum, LONGEST)),
+            left + 1,
+            top + i * CELL + 1,
+            text(sum)
         );
         let place = |c: &usize| answer.regrouped.partition_point(|r| r < c);
         for (column, coefficient) in &relations[i].terms {
             let j = place(column);
             let _ = write!(
                 svg,
-                "<rect class=\"h m {}\" x=\"{}\" y=\"{}\"><title>{} takes up {} {}</title></rect>",
+                "<rect class=\"m {}\" x=\"{}\" data-v=\"{}\"/>",
                 level(*coefficient),
-                left + j * CELL + 1,
-                top + i * CELL + 1,
-                text(sum),
+                j * CELL,
                 shortest(*coefficient),
-                text(&others[j]),
             );
         }
+        svg.push_str("</g>");
     }
     svg + "</svg>"
 }

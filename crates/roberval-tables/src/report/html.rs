@@ -20,7 +20,7 @@ pub(super) fn text(text: &str) -> String {
     })
 }
 
-/// A figure whose marks (class `m`, with a title) are read out below it.
+/// A figure whose marks (class `m`, with a title or a number `data-v`) are read out below it.
 pub(super) fn figure(label: &str, plot: &str, caption: &str) -> String {
     format!(
         "<figure><div class=\"plot\" tabindex=\"0\" role=\"group\" aria-label=\"{}\">{plot}</div>\

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 
 use roberval_base::{BaseParameters, ExactNumber};
-use roberval_mechanism::ParameterKind;
 
 use super::html::text;
 use crate::escape::plain;
@@ -30,19 +29,23 @@ pub(super) fn section(answer: &BaseParameters) -> String {
     )
 }
 
+/// Between two terms: a line may break before the sign, not after it.
+const PLUS: &str = " +\u{a0}";
+const MINUS: &str = " \u{2212}\u{a0}";
+
+/// Of a sum with more members than this, a humanoid's masses, those after the first are written
+/// without MathML, which is five times as long and looks the same.
+const MOST: usize = 8;
+
 /// One relation; a line may break between its terms.
 fn relation(exact: &Coefficients<'_>, sum: &Sum) -> String {
-    let mut terms = vec![math(&format!(
+    let mut line = math(&format!(
         "{}<mo>=</mo>{}",
         label(&sum.left),
         label(&sum.first)
-    ))];
+    ));
     for group in &sum.groups {
-        let sign = if group.coefficient < 0.0 {
-            "&#8722;"
-        } else {
-            "+"
-        };
+        let minus = group.coefficient < 0.0;
         let factor = match group.coefficient.abs() {
             1.0 => String::new(),
             x => {
@@ -52,10 +55,16 @@ fn relation(exact: &Coefficients<'_>, sum: &Sum) -> String {
         };
         let last = group.members.len() - 1;
         for (i, member) in group.members.iter().enumerate() {
-            let mut term = match i {
-                0 => format!("<mo form=\"infix\">{sign}</mo>{factor}"),
-                _ => "<mo form=\"infix\">+</mo>".to_owned(),
-            };
+            line.push_str(if i == 0 && minus { MINUS } else { PLUS });
+            if i > 0 && last > MOST {
+                line.push_str(&light(member));
+                line.push_str(if i == last { ")" } else { "" });
+                continue;
+            }
+            let mut term = String::new();
+            if i == 0 {
+                term.push_str(&factor);
+            }
             if i == 0 && last > 0 {
                 term.push_str("<mo stretchy=\"false\">(</mo>");
             }
@@ -63,10 +72,10 @@ fn relation(exact: &Coefficients<'_>, sum: &Sum) -> String {
             if i == last && last > 0 {
                 term.push_str("<mo stretchy=\"false\">)</mo>");
             }
-            terms.push(math(&term));
+            line.push_str(&math(&term));
         }
     }
-    format!("<p class=\"rel\">{}</p>", terms.join(" "))
+    format!("<p class=\"rel\">{line}</p>")
 }
 
 fn math(content: &str) -> String {
@@ -76,16 +85,17 @@ fn math(content: &str) -> String {
 /// ZZR with the link's name below.
 fn label(label: &Label) -> String {
     let r = if label.regrouped { "R" } else { "" };
-    // A lone letter would stand in italics.
-    let upright = match (label.kind, label.regrouped) {
-        (ParameterKind::M, false) => " mathvariant=\"normal\"",
-        _ => "",
-    };
     format!(
-        "<msub><mi{upright}>{}{r}</mi><mtext>{}</mtext></msub>",
+        "<msub><mi>{}{r}</mi><mi>{}</mi></msub>",
         label.kind,
         text(&plain(&label.link))
     )
+}
+
+/// The same as plain text with a subscript.
+fn light(label: &Label) -> String {
+    let link = text(&plain(&label.link));
+    format!("{}<sub>{link}</sub>", label.kind)
 }
 
 /// A factor: a decimal where it is short, else the exact fraction or root where known.

@@ -1,14 +1,30 @@
 "use strict";
-// Values are read by pointing, by touch or with the arrow keys; without this script they are
-// tooltips, and the files come compressed.
+// Values are read by pointing, by touch or with the arrow keys; without this script the robot and
+// the grid have tooltips, and the files come compressed.
 for (const figure of document.querySelectorAll("figure")) {
   const out = figure.querySelector("output");
   const plot = figure.querySelector(".plot");
   if (!out || !plot) continue;
   const marks = [...plot.querySelectorAll(".m")];
   let current = null;
+  // Figures of many marks have their numbers alone in the page: the words are made here.
+  const words = (mark) => {
+    const { v } = mark.dataset;
+    const svg = mark.ownerSVGElement;
+    if (!svg.dataset.cell) {
+      const kept = mark.classList.contains("big");
+      return `number ${marks.indexOf(mark) + 1}: ${v}, ${kept ? "kept" : "counts as zero"}`;
+    }
+    const column = mark.getAttribute("x") / svg.dataset.cell;
+    return `${mark.parentNode.dataset.of} takes up ${v} ${svg.dataset.of.split("\n")[column]}`;
+  };
   const text = (mark) => {
-    const title = mark.querySelector(":scope > title");
+    let title = mark.querySelector(":scope > title");
+    if (!title && "v" in mark.dataset) {
+      title = document.createElementNS("http://www.w3.org/2000/svg", "title");
+      title.textContent = words(mark);
+      mark.append(title);
+    }
     return title ? title.textContent : mark.getAttribute("title") || "";
   };
   const show = (mark) => {

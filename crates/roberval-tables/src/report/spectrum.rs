@@ -162,17 +162,12 @@ fn plot(answer: &BaseParameters, witness: &Witness) -> String {
 fn points(axes: &Axes, values: &[f64], b: usize, svg: &mut String) {
     let radius = (160.0 / values.len().max(1) as f64).clamp(1.6, 4.5);
     for (i, &value) in values.iter().enumerate() {
-        let (class, what) = if i < b {
-            ("big", "kept")
-        } else {
-            ("small", "counts as zero")
-        };
+        let class = if i < b { "big" } else { "small" };
         let _ = write!(
             svg,
-            "<circle class=\"m {class}\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"{radius:.1}\"><title>number {}: {}, {what}</title></circle>",
+            "<circle class=\"m {class}\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"{radius:.1}\" data-v=\"{}\"/>",
             axes.x(i as f64),
             axes.y(value),
-            i + 1,
             scientific(value)
         );
     }
