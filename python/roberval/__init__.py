@@ -11,6 +11,7 @@ from ._core import __version__
 from .base import BaseParameters, Comparison, Relations, Route
 from .code import Code, Compiled, Count
 from .conventions import Convention, ParameterOrder, convention
+from .description import Couple, Link, Loop
 from .diagnosis import Blame, Diagnosis, Literal, Precision, Structure, Witness
 from .errors import (
     ArrayError,
@@ -32,7 +33,7 @@ from .loading import CatalogueEntry, Cleaned, catalogue, clean_file, load
 from .options import Choice, Engine, Model, Number, Snap
 from .reducing import reduce_dataset
 from .reduction import ObservationQR
-from .robot import Couple, Link, Loop, Robot
+from .robot import Robot
 from .scaling import Grade, Scaling
 from .symbolic import SymbolicRelations
 

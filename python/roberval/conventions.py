@@ -18,7 +18,7 @@ from .arrays import Array
 from .errors import ArrayError, OptionError, ShapeError
 
 if TYPE_CHECKING:
-    from .robot import Robot
+    from .description import Description
 
 Order = Literal["paper", "pinocchio", "urdf", "mujoco"]
 """Whose order: see `Convention`."""
@@ -137,7 +137,7 @@ class ParameterOrder:
 
     __slots__ = ("_inertia", "_names", "_rotors", "convention", "links")
 
-    def __init__(self, robot: Robot, name: Order) -> None:
+    def __init__(self, robot: Description, name: Order) -> None:
         self.convention = convention(name)
         self.links = tuple(link.name for link in robot.links)
         self._names = robot.parameters

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .base import BaseParameters
-    from .robot import Robot
+    from .description import Description
 
 KINDS = ("XX", "XY", "XZ", "YY", "YZ", "ZZ", "MX", "MY", "MZ", "M", "Ia")
 
@@ -146,7 +146,7 @@ class BasePlots:
         return axes
 
 
-def draw_tree(robot: Robot, kept: dict[str, int] | None, ax: Any) -> Any:
+def draw_tree(robot: Description, kept: dict[str, int] | None, ax: Any) -> Any:
     """Draw the robot's links and joint axes at joint variables 0 in 3D axes."""
     ax = _axes(ax, 5.5, 5.5, projection="3d")
     frames = robot.frames()
@@ -181,7 +181,7 @@ class RobotPlots:
 
     __slots__ = ("_robot",)
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Description) -> None:
         self._robot = robot
 
     def tree(self, ax: Axes | None = None) -> Axes:
