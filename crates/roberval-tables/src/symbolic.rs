@@ -174,6 +174,7 @@ pub(crate) fn document(answer: &SymbolicRelations) -> Document {
             .map(|note| format!("note: {note}")),
     );
     lines.extend(specials(answer));
+    lines.extend(quotients(answer));
     lines.extend(open(&formulas));
     let mut blocks = vec![
         Block::Title(answer.mechanism.name.clone()),
@@ -234,6 +235,20 @@ fn specials(answer: &SymbolicRelations) -> Vec<String> {
         )
     });
     special.collect()
+}
+
+/// Where a relation is no polynomial.
+fn quotients(answer: &SymbolicRelations) -> Option<String> {
+    let entries = answer.beta.iter().flatten().flatten();
+    let divided = |c: &&Coefficient| match c {
+        Coefficient::Quotient { denominator, .. } => denominator.iter().any(|e| *e > 0),
+        Coefficient::Open(_) => false,
+    };
+    match entries.filter(divided).count() {
+        0 => None,
+        1 => Some("1 coefficient is no polynomial but a quotient".to_owned()),
+        n => Some(format!("{n} coefficients are no polynomials but quotients")),
+    }
 }
 
 fn open(formulas: &[Formula]) -> Option<String> {
