@@ -4,6 +4,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use roberval_base::Samples;
 use roberval_benches::{robots, short};
 use roberval_regressor::{Model, Regressor};
+use roberval_scalar::Width;
 
 const BATCH: usize = 1000;
 
@@ -20,6 +21,29 @@ fn rows(criterion: &mut Criterion) {
             group.bench_function(id, |b| {
                 b.iter(|| regressor.fill(model, samples.states(), &mut out));
             });
+        }
+    }
+}
+
+/// The nonzeros alone, into memory that stays in the cache, by lanes of every width.
+fn packed(criterion: &mut Criterion) {
+    const CACHED: usize = 64;
+    let mut group = criterion.benchmark_group("packed");
+    group.throughput(Throughput::Elements(CACHED as u64));
+    for (name, robot) in robots() {
+        let samples = Samples::draw(&robot, CACHED, 1).expect("samples");
+        for width in Width::ALL.into_iter().filter(|width| width.is_available()) {
+            let regressor = Regressor::new(&robot).with_width(width);
+            for model in [Model::D, Model::H] {
+                let size = regressor
+                    .packed_layout(model)
+                    .len(CACHED, regressor.lanes());
+                let mut out = vec![0.0; size];
+                let id = BenchmarkId::new(format!("{} {width:?}", model.name()), name);
+                group.bench_function(id, |b| {
+                    b.iter(|| regressor.fill_packed(model, samples.states(), &mut out));
+                });
+            }
         }
     }
 }
@@ -41,6 +65,6 @@ fn torques(criterion: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = short();
-    targets = rows, torques
+    targets = rows, packed, torques
 }
 criterion_main!(benches);

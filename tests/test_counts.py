@@ -43,8 +43,12 @@ COUNTS = {
     "erd/alex_description/urdf/alex_nub_hands.urdf": (200, 144, 144),
     "erd/icub_description/robots/icub_reduced.urdf": (294, 214, 217),
     "erd/romeo_description/urdf/romeo_small.urdf": (297, 218, 218),
+    "erd/panda_description/urdf/panda.urdf": (87, 54, 55),
+    "erd/baxter_description/urdf/baxter.urdf": (178, 109, 111),
+    "erd/tiago_pro_description/robots/tiago_pro.urdf": (295, 162, 167),
+    "erd/pr2_description/urdf/pr2.urdf": (278, 149, 149),
 }
-"""c clean, b clean and b literal of each file. Files with mimic joints are not here."""
+"""c clean, b clean and b literal of each file; the last four have mimic joints."""
 
 RIGID = {
     "erd/asr_twodof_description/urdf/TwoDofs.urdf": 4,
@@ -66,6 +70,14 @@ RIGID = {
     "erd/allegro_hand_description/urdf/allegro_left_hand.urdf": 94,
 }
 """Published and recomputed counts of the rigid bodies' parameters alone, fixed base."""
+
+AS_MEANT = {
+    "upkie/upkie.urdf": 22,
+    "erd/icub_description/robots/icub_reduced.urdf": 216,
+    "erd/panda_description/urdf/panda.urdf": 54,
+    "erd/tiago_pro_description/robots/tiago_pro.urdf": 166,
+}
+"""What the diagnosis calls the count as written: there 1.5707963267948966 does mean pi/2."""
 
 FLOAT_SAFE = [name for name, (_, clean, literal) in COUNTS.items() if clean == literal]
 
@@ -105,9 +117,10 @@ def test_literal_counts_are_the_references(name: str) -> None:
     _, clean, literal = COUNTS[name]
     assert analyse(name, snap="off").rank == literal
     told = analyse(name).diagnosis.literal
-    if clean != literal:
+    expected = AS_MEANT.get(name, literal)
+    if clean != expected:
         assert told is not None
-        assert told.rank == literal
+        assert told.rank == expected
         assert told.blame
 
 

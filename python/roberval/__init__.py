@@ -14,6 +14,7 @@ from .conventions import Convention, ParameterOrder, convention
 from .diagnosis import Blame, Diagnosis, Literal, Precision, Structure, Witness
 from .errors import (
     ArrayError,
+    CheckpointError,
     DoubtfulRankWarning,
     InternalError,
     MissingPackageError,
@@ -29,7 +30,9 @@ from .exact import Exact, Surd
 from .linting import Finding, lint
 from .loading import CatalogueEntry, Cleaned, catalogue, clean_file, load
 from .options import Choice, Engine, Model, Number, Snap
-from .robot import Link, Loop, Robot
+from .reducing import reduce_dataset
+from .reduction import ObservationQR
+from .robot import Couple, Link, Loop, Robot
 from .scaling import Grade, Scaling
 from .symbolic import SymbolicRelations
 
@@ -38,6 +41,7 @@ __all__ = [
     "BaseParameters",
     "Blame",
     "CatalogueEntry",
+    "CheckpointError",
     "Choice",
     "Cleaned",
     "Code",
@@ -45,6 +49,7 @@ __all__ = [
     "Compiled",
     "Convention",
     "Count",
+    "Couple",
     "Diagnosis",
     "DoubtfulRankWarning",
     "Engine",
@@ -59,6 +64,7 @@ __all__ = [
     "Model",
     "Number",
     "NumericalError",
+    "ObservationQR",
     "OptionError",
     "ParameterOrder",
     "Precision",
@@ -82,4 +88,5 @@ __all__ = [
     "convention",
     "lint",
     "load",
+    "reduce_dataset",
 ]

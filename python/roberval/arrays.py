@@ -13,6 +13,8 @@ from .errors import ArrayError, ShapeError, UnknownParameterError
 Array: TypeAlias = npt.NDArray[np.float64]
 """A float64 array."""
 
+_FLOAT = np.dtype(np.float64)
+
 
 def numbers(name: str, value: npt.ArrayLike) -> Array:
     """Return `value` as a float64 array in C order, of any shape.
@@ -41,8 +43,20 @@ class States(NamedTuple):
     lead: tuple[int, ...]
 
 
+def _plain(value: object) -> bool:
+    """Tell whether nothing need be done to an array: most calls, and their time counts."""
+    return type(value) is np.ndarray and value.dtype is _FLOAT and value.flags.carray
+
+
 def states(q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike, nq: int, n: int) -> States:
     """Return q, (nq,) or (N, nq), qd and qdd, (n,) or (N, n)."""
+    if nq == n and _plain(q) and _plain(qd) and _plain(qdd):
+        shape = q.shape  # type: ignore[union-attr]
+        if qd.shape == shape and qdd.shape == shape and shape[-1:] == (n,):  # type: ignore[union-attr]
+            if len(shape) == 1:
+                return States(q[None], qd[None], qdd[None], ())  # type: ignore[index, call-overload, arg-type]
+            if len(shape) == 2:
+                return States(q, qd, qdd, shape[:1])  # type: ignore[arg-type, unused-ignore]
     arrays = [numbers("q", q), numbers("qd", qd), numbers("qdd", qdd)]
     joints = f"{n} moving joints" if nq == n else f"{n - 6} moving joints and a floating base"
     for name, array, width in zip(("q", "qd", "qdd"), arrays, (nq, n, n), strict=True):

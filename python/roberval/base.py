@@ -318,7 +318,7 @@ class BaseParameters(Rendered):
 
         Returns
         -------
-        ndarray, shape (N, n, b)
+        ndarray, shape (N, m, b)
             For h (N, b); for one state without the N.
         """
         return self._robot._rows(self.model, self._inner.base, q, qd, qdd, out)

@@ -22,6 +22,10 @@ BAD_INPUT = 2
 
 def main() -> int:
     """Run the command line with the arguments of this process; return the exit code."""
+    if sys.argv[1:2] == ["reduce"]:
+        from . import reducing
+
+        return reducing.command(sys.argv[2:])
     # The core does the work outside Python, where Python's handlers never run: Ctrl-C and
     # a closed pipe end the process as they end any other command.
     signal.signal(signal.SIGINT, signal.SIG_DFL)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 __all__ = [
     "ArrayError",
+    "CheckpointError",
     "DoubtfulRankWarning",
     "InternalError",
     "MissingPackageError",
@@ -50,6 +51,10 @@ class ArrayError(RobervalError, ValueError):
 
 class ShapeError(ArrayError):
     """An array has the wrong shape."""
+
+
+class CheckpointError(RobervalError, ValueError):
+    """A checkpoint is damaged, or of another robot or processor."""
 
 
 class OptionError(RobervalError, ValueError):

@@ -67,6 +67,27 @@ class Link(NamedTuple):
     rotor: bool
 
 
+class Couple(NamedTuple):
+    """A joint that follows from others: by a sum of multiples, or by an expression.
+
+    Attributes
+    ----------
+    joint : str
+        The joint that follows.
+    equals : dict of str to str
+        The joints it follows, with their multipliers as written.
+    offset : str
+        Its position where those stand at 0, as written.
+    expression : str or None
+        In place of these, an expression of the joints it follows.
+    """
+
+    joint: str
+    equals: dict[str, str]
+    offset: str
+    expression: str | None = None
+
+
 class Robot(Rendered):
     """A robot: a chain or tree of links and joints. Immutable.
 
@@ -229,7 +250,8 @@ class Robot(Rendered):
 
         The frame of a link lies at its joint, in the axes of its body. A body with several
         joints becomes several links, the first ones without mass; ball joints become three
-        hinges; a free joint makes a base that floats if all others are on it. Equality constraints of two joints become couples; what is not applied is
+        hinges; a free joint makes a base that floats if all others are on it and there are no
+        loops. Equality constraints of two joints become couples; what is not applied is
         warned of. Joint variables are 0 where the model has ``qpos0``.
 
         Parameters
@@ -327,8 +349,8 @@ class Robot(Rendered):
         Examples
         --------
         >>> import roberval as rv
-        >>> puma = rv.load("puma560")
-        >>> rv.Robot.from_urdf(puma.to_urdf()).base_parameters().base == puma.base_parameters().base
+        >>> arm = rv.load("ur5")
+        >>> rv.Robot.from_urdf(arm.to_urdf()).base_parameters().base == arm.base_parameters().base
         True
         """
         return self._inner.to_urdf()
@@ -423,6 +445,20 @@ class Robot(Rendered):
         return self._inner.dof
 
     @property
+    def moving(self) -> tuple[str, ...]:
+        """Names of all moving joints, in link order: those that follow others among them."""
+        moving = (link for link in self._links if link.joint in ("revolute", "prismatic"))
+        return tuple(link.joint_name or link.name for link in moving)
+
+    @property
+    def couples(self) -> tuple[Couple, ...]:
+        """The joints that follow from others (couples of a robot TOML, mimic of a URDF)."""
+        rows = self._inner.couples
+        return tuple(
+            Couple(joint, dict(terms), offset, text) for joint, terms, offset, text in rows
+        )
+
+    @property
     def nq(self) -> int:
         """Length of q: n, or n + 1 for a floating robot, whose attitude is a quaternion."""
         return self._inner.positions
@@ -439,7 +475,7 @@ class Robot(Rendered):
 
     @property
     def rows(self) -> tuple[str, ...]:
-        """Names of the rows of d: joints; force and moment ``L.fx`` to ``L.mz`` if a link L floats."""
+        """Names of the rows of d: joints; the wrench ``L.fx`` to ``L.mz`` if a link L floats."""
         return tuple(self._inner.coordinates[2])
 
     @property
@@ -627,7 +663,7 @@ class Robot(Rendered):
         Returns
         -------
         q, qd, qdd : ndarray, shape (tree joints,) or (N, tree joints)
-            In the order of the links that move.
+            In the order of the links that move, those of a floating base first.
 
         Raises
         ------

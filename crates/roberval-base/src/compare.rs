@@ -104,9 +104,10 @@ pub fn compare(
 
 /// The engines that differ for this mechanism: the exact one, or else pairs of doubles.
 fn engines(mechanism: &Mechanism) -> Vec<Engine> {
-    let skipped = match mechanism.assembly {
-        None => Engine::Precise,
-        Some(_) => Engine::Exact,
+    let skipped = if mechanism.is_affine() {
+        Engine::Precise
+    } else {
+        Engine::Exact
     };
     let all = Engine::ALL.into_iter();
     all.filter(|engine| *engine != skipped).collect()

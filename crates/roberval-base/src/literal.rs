@@ -78,7 +78,7 @@ pub(crate) fn literal(
 fn rank_of(description: &RobotDescription, model: Model, seed: u64) -> Result<usize, BaseError> {
     let mechanism = Mechanism::new(description)?;
     let order: Vec<usize> = (0..mechanism.parameters().len()).collect();
-    let kept = if mechanism.assembly.is_none() {
+    let kept = if mechanism.is_affine() {
         choose_exactly(&mechanism, model, &order, seed)?
     } else {
         decide_precisely(&mechanism, model, &order, seed)?.kept

@@ -118,7 +118,7 @@ pub(crate) fn base_parameters_with(
     facts: &Facts,
 ) -> Result<BaseParameters, BaseError> {
     match options.engine {
-        Engine::Exact if mechanism.assembly.is_none() => {
+        Engine::Exact if mechanism.is_affine() => {
             by_elimination(mechanism, options, samples, facts)
         }
         Engine::Exact | Engine::Precise => by_precision(mechanism, options, samples, facts),

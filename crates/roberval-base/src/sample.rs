@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use roberval_mechanism::{Assembly, JointKind, Mechanism, Motion, VariableLaw, Walk};
-use roberval_regressor::{CouplePowers, States};
+use roberval_regressor::{CouplePowers, Expansion, JointStates, States};
 use roberval_scalar::SplitMix64;
 
 /// Configurations drawn for one sample before a mechanism counts as immovable.
@@ -31,11 +31,12 @@ pub struct Samples {
     pub redrawn: usize,
 }
 
-/// No samples of a mechanism with loops.
+/// No samples of a mechanism with loops, or with couples by expressions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "only {found} of {count} configurations of the loops were found that are not singular: \
-     give near values on a branch that moves farther"
+    "only {found} of {count} configurations were found in which the loops close, or the \
+     couples' expressions have values, and that are not singular: give near values on a branch \
+     that moves farther, or expressions that have values nearly everywhere"
 )]
 pub struct SampleError {
     /// Configurations found.
@@ -55,10 +56,21 @@ impl Samples {
         let reaches = Reaches::of(mechanism);
         let mut random = SplitMix64::new(seed);
         let mut samples = Self::with_capacity(count * mechanism.positions());
-        for _ in 0..count {
-            let unit = |_| std::array::from_fn(|_| random.uniform(-1.0, 1.0));
-            let state: Vec<[f64; 3]> = (0..mechanism.independent()).map(unit).collect();
-            samples.push(&reaches, &state);
+        let mut regular = Regular::of(mechanism);
+        for found in 0..count {
+            for _ in 0..MOST_REDRAWN {
+                let unit = |_| std::array::from_fn(|_| random.uniform(-1.0, 1.0));
+                let state: Vec<[f64; 3]> = (0..mechanism.independent()).map(unit).collect();
+                samples.push(&reaches, &state);
+                if regular.last_is(&samples) {
+                    break;
+                }
+                samples.pop();
+                samples.redrawn += 1;
+            }
+            if samples.count == found {
+                return Err(SampleError { found, count });
+            }
         }
         if let Some(assembly) = &mechanism.assembly {
             let configurations = FEWEST_CONFIGURATIONS.max(mechanism.parameters().len() / 3);
@@ -128,6 +140,14 @@ impl Samples {
         self.count += 1;
     }
 
+    /// Takes the last sample out.
+    fn pop(&mut self) {
+        for array in [&mut self.q, &mut self.qd, &mut self.qdd] {
+            array.truncate(array.len() / self.count * (self.count - 1));
+        }
+        self.count -= 1;
+    }
+
     /// The samples as the regressor takes them.
     #[must_use]
     pub fn states(&self) -> States<'_> {
@@ -138,6 +158,39 @@ impl Samples {
         }
     }
 }
+
+/// Whether expressions of joints have values: others are drawn again.
+struct Regular(Option<(Expansion<f64>, JointStates<f64>)>);
+
+impl Regular {
+    fn of(mechanism: &Mechanism) -> Self {
+        let by_formulas = !mechanism.is_affine() && mechanism.assembly.is_none();
+        let expansion = Expansion::in_floats(mechanism).filter(|_| by_formulas);
+        Self(expansion.map(|expansion| {
+            let states = expansion.states();
+            (expansion, states)
+        }))
+    }
+
+    /// Whether the joints can stand as in the last of the samples, and follow without
+    /// being far faster.
+    fn last_is(&mut self, samples: &Samples) -> bool {
+        let Some((expansion, states)) = &mut self.0 else {
+            return true;
+        };
+        let last = |x: &'_ Vec<f64>| x.len() / samples.count * (samples.count - 1);
+        let state = [&samples.q, &samples.qd, &samples.qdd].map(|x| &x[last(x)..]);
+        let rows = 0..states.q.len();
+        expansion.expand(state, states).is_ok()
+            && rows
+                .flat_map(|i| states.transmission.row(i))
+                .all(|(_, g)| g.abs() < FASTEST)
+    }
+}
+
+/// Near a singularity of an expression joints run away: beyond this many rad per rad a
+/// configuration is drawn again.
+const FASTEST: f64 = 100.0;
 
 /// Whether two configurations are one: what moves them apart is another branch, and far
 /// more than rounding.

@@ -109,8 +109,8 @@ fn the_puma_has_1_7_8_8_8_8_base_parameters() {
 fn three_routes_agree_on_the_catalogue() {
     for entry in roberval_formats::catalogue() {
         let robot = mechanism(&roberval_formats::load(entry.name).expect("in the catalogue"));
-        if robot.assembly.is_some() {
-            continue; // loops are not decided exactly
+        if robot.closure.is_some() || robot.assembly.is_some() {
+            continue; // the nullspace algorithm knows trees only
         }
         assert_eq!(disagreement(&robot, 1), None, "{}", entry.name);
     }

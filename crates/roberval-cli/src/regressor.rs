@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use roberval_base::{BaseParameters, Model, base_parameters};
+use roberval_base::{BaseError, BaseParameters, Model, base_parameters};
 use roberval_mechanism::Mechanism;
 use roberval_regressor::{Regressor, RegressorError};
 
@@ -47,6 +47,7 @@ pub(crate) fn run(
         columns,
         states: &states,
     };
+    w.check()?;
     target.write(out, |sink| w.write(sink))?;
     say(err, "note", &format!("{} of float64", w.describe()));
     Ok(doubt(base.as_ref(), err))
@@ -80,6 +81,13 @@ impl Rows<'_> {
             Model::D | Model::D0 => vec![count, self.mechanism.independent(), width],
             Model::H => vec![count, width],
         }
+    }
+
+    /// Refuses bad states before anything is written.
+    fn check(&self) -> Result<(), BaseError> {
+        let states = self.states.slice(0, self.states.count, self.mechanism);
+        self.regressor.check(states)?;
+        Ok(())
     }
 
     fn describe(&self) -> String {

@@ -395,7 +395,8 @@ fn laws<'g>(
             let terms = law.terms.iter().map(|(place, g)| (*place, number(g.value)));
             (terms.collect(), law.offset.value)
         }
-        VariableLaw::Affine(_) | VariableLaw::Implicit => {
+        // Expressions are refused before.
+        VariableLaw::Affine(_) | VariableLaw::Implicit | VariableLaw::Formula(_) => {
             let row = (0..closure.independent.len()).map(|k| {
                 inputs.push(Input::G(i, k));
                 (k, Recorded::input(graph, inputs.len() - 1))

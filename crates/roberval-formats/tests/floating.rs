@@ -1,7 +1,9 @@
 //! Bases that float and planar joints, as the readers take them.
 
 use roberval_formats::{UrdfOptions, parse_toml, parse_urdf, to_toml};
-use roberval_mechanism::{Geometry, JointKind, Mechanism, MechanismError, RobotDescription};
+use roberval_mechanism::{
+    Geometry, JointKind, Mechanism, MechanismError, RobotDescription, SourceFormat,
+};
 
 const FLOATING: UrdfOptions = UrdfOptions {
     keep_fixed: false,
@@ -81,10 +83,9 @@ fn the_root_floats_where_that_is_asked_for() {
 
 #[test]
 fn a_planar_joint_is_three_joints_and_one_body() {
-    let robot = read(
-        &urdf("planar", "<axis xyz='0 0 1'/>"),
-        UrdfOptions::default(),
-    );
+    let text = urdf("planar", "<axis xyz='0 0 1'/>");
+    let text = text.replace("<parent link='plate'/>", "<parent link='body'/>");
+    let robot = read(&text, UrdfOptions::default());
     let expected = [
         ("body.x", None, JointKind::Prismatic),
         ("body.y", Some("body.x"), JointKind::Prismatic),
@@ -96,7 +97,11 @@ fn a_planar_joint_is_three_joints_and_one_body() {
         panic!("a URDF")
     };
     assert_eq!(origins[0].xyz[2].value, 1.0);
-    let toml = to_toml(&robot).expect("written");
+    let placed = RobotDescription {
+        format: SourceFormat::Placed,
+        ..robot.clone()
+    };
+    let toml = to_toml(&placed).expect("written");
     let again = parse_toml(&toml, "r.toml").expect("valid");
     assert_eq!(names(&again), expected);
     let columns = |robot| Mechanism::new(robot).expect("valid").parameters().len();

@@ -28,7 +28,7 @@ pub use clean::{
 };
 pub use closure::{AffineLaw, Closure, VariableLaw};
 pub use conventions::{Central, Convention};
-pub use couple::{Couple, CoupleError, Term};
+pub use couple::{Couple, CoupleError, Expression, Term};
 pub use description::{
     Geometry, JointKind, LinkDescription, MdhGeometry, Motion, Origin, RobotDescription,
     SourceFormat, TreeError, find_cycle,

@@ -69,6 +69,12 @@ pub struct Link {
 }
 
 impl Link {
+    /// What messages call the joint that moves the link: its own name, or else the link's.
+    #[must_use]
+    pub fn label(&self) -> &str {
+        self.joint_name.as_deref().unwrap_or(&self.name)
+    }
+
     /// How many standard parameters it has: ten, and Ia if there is a rotor; none without
     /// a body.
     #[must_use]
@@ -310,6 +316,14 @@ impl Mechanism {
     pub fn independent(&self) -> usize {
         let all = |c: &Closure| c.independent.len();
         self.closure.as_ref().map_or_else(|| self.dof(), all)
+    }
+
+    /// Whether all constraints, if there are any, are sums of multiples: those that prime
+    /// fields hold.
+    #[must_use]
+    pub fn is_affine(&self) -> bool {
+        let no_formula = |closure: &Closure| closure.formulas.is_empty();
+        self.assembly.is_none() && self.closure.as_ref().is_none_or(no_formula)
     }
 
     /// Number of coordinates of a position: m, or m + 1 for a floating robot, whose attitude

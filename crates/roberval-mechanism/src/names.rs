@@ -29,6 +29,26 @@ impl Mechanism {
         self.coordinates(&FORCES)
     }
 
+    /// The titles of the columns of a table of states, for q, qd and qdd: `q_1`, or by name
+    /// `q_L.x` for a floating robot, whose links may have numbers for names.
+    #[must_use]
+    pub fn state_titles(&self) -> [Vec<String>; 3] {
+        let names = [
+            self.position_names(),
+            self.velocity_names(),
+            self.velocity_names(),
+        ];
+        let mut array = ["q", "qd", "qdd"].into_iter();
+        names.map(|names| {
+            let array = array.next().unwrap_or_default();
+            let title = |(number, name): (usize, String)| match self.is_floating() {
+                true => format!("{array}_{name}"),
+                false => format!("{array}_{number}"),
+            };
+            (1..).zip(names).map(title).collect()
+        })
+    }
+
     fn coordinates(&self, of_floating: &[&str]) -> Vec<String> {
         let floating = self.links.iter().filter(|l| l.joint == JointKind::Floating);
         let base =

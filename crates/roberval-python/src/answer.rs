@@ -105,6 +105,13 @@ impl Answer {
         Some((p.rank, p.tolerance, values, p.samples, p.redrawn))
     }
 
+    /// Rank of the tree without constraints, and the columns that they remove.
+    #[getter]
+    fn opened(&self) -> Option<(usize, Vec<usize>)> {
+        let opened = self.answer.diagnosis.opened()?;
+        Some((opened.rank, opened.removed.clone()))
+    }
+
     /// Engine, rank, gap, gap at the structural rank, spectrum and tolerance of each float
     /// engine.
     #[getter]

@@ -9,6 +9,7 @@ mod command;
 mod conventions;
 mod errors;
 mod options;
+mod reduce;
 mod robot;
 mod scaling;
 mod states;
@@ -22,6 +23,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<robot::Robot>()?;
     module.add_class::<answer::Answer>()?;
     module.add_class::<answer::Comparison>()?;
+    module.add_class::<reduce::Accumulator>()?;
     module.add_class::<scaling::Scaling>()?;
     module.add_class::<symbols::Symbolic>()?;
     module.add_function(wrap_pyfunction!(robot::catalogue, module)?)?;

@@ -8,7 +8,7 @@ use roberval_base::{base_parameters, base_parameters_at, compare};
 use roberval_formats::{
     self as formats, FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml, to_urdf,
 };
-use roberval_mechanism::{Mechanism, RobotDescription, SourceFormat};
+use roberval_mechanism::{Couple, Mechanism, RobotDescription, SourceFormat};
 use roberval_regressor::Regressor;
 use roberval_tables as tables;
 
@@ -30,6 +30,8 @@ pub struct Robot {
 }
 
 /// Name, joint name, antecedent, kind, active, rotor of a link.
+type CoupleRow = (String, Vec<(String, String)>, String, Option<String>);
+
 type LinkRow = (
     String,
     Option<String>,
@@ -157,14 +159,31 @@ impl Robot {
         self.mechanism.gravity.into()
     }
 
+    /// Number of independent variables.
     #[getter]
-    fn independent(&self) -> usize {
+    fn dof(&self) -> usize {
         self.regressor.independent()
     }
 
+    /// Joint, the joints it follows with their multipliers, offset, expression.
     #[getter]
-    fn dof(&self) -> usize {
-        self.regressor.dof()
+    fn couples(&self) -> Vec<CoupleRow> {
+        let description = &self.mechanism.description;
+        let label = |name: &str| {
+            let link = description.links.iter().position(|l| l.name == name);
+            link.map_or(name, |l| description.joint_label(l)).to_owned()
+        };
+        let row = |couple: &Couple| {
+            let terms = couple.terms.iter();
+            let terms = terms.map(|t| (label(&t.joint), t.multiplier.text.clone()));
+            (
+                label(&couple.joint),
+                terms.collect(),
+                couple.offset.text.clone(),
+                couple.expression.as_ref().map(|e| e.text.clone()),
+            )
+        };
+        description.couples.iter().map(row).collect()
     }
 
     #[getter]
@@ -360,6 +379,11 @@ impl Robot {
             regressor: Regressor::new(&mechanism),
             mechanism: Arc::new(mechanism),
         })
+    }
+
+    /// The regressor over floats.
+    pub fn float_regressor(&self) -> &Regressor {
+        &self.regressor
     }
 
     /// The description before anything was set right.

@@ -1,10 +1,12 @@
 use roberval_mechanism::{JointKind, Mechanism, ParameterSpace};
-use roberval_scalar::{Magnitude, Scalar};
+use roberval_scalar::{Magnitude, Scalar, Width, dispatch};
 
+use crate::lanes::{BadTile, Fill, FillTorques, Form, Pool};
+use crate::packed::Export;
 use crate::sink::SelectedRows;
 use crate::{
     BaseState, DenseRows, DynamicsWorkspace, EnergyWorkspace, Expansion, JointMotion, JointStates,
-    NoValue, Projected, Sink, Torques, Transmission, Tree, dynamics, energy,
+    NoValue, PackedLayout, Projected, Sink, Torques, Transmission, Tree, dynamics, energy,
 };
 
 /// The three models, each linear in the parameters X.
@@ -101,17 +103,126 @@ pub struct Regressor {
     tree: Tree<f64>,
     expansion: Option<Expansion<f64>>,
     space: ParameterSpace,
+    width: Width,
+    /// The nonzeros of d and of h, and all columns from them.
+    layouts: [PackedLayout; 2],
+    exports: [Export; 2],
+    pool: Pool,
 }
+
+/// Results of more bytes than this are written past the cache: they would not stay in it.
+const STREAM_BYTES: usize = 16 << 20;
 
 impl Regressor {
     /// The regressor of a mechanism.
     #[must_use]
     pub fn new(mechanism: &Mechanism) -> Self {
+        let tree = Tree::of(mechanism);
+        let space = mechanism.parameters();
+        let layouts = [Model::D, Model::H].map(|model| PackedLayout::new(&tree, &space, model));
+        let exports = [Model::D, Model::H].map(|model| {
+            let layout = &layouts[family(model)];
+            Export::new(layout, model.rows(tree.dof), space.len(), Some)
+        });
         Self {
-            tree: Tree::of(mechanism),
+            tree,
             expansion: Expansion::in_floats(mechanism),
-            space: mechanism.parameters(),
+            space,
+            width: Width::best(),
+            layouts,
+            exports,
+            pool: Pool::default(),
         }
+    }
+
+    /// The same with lanes of this width, which the processor must have: batches then
+    /// differ in rounding only.
+    #[must_use]
+    pub fn with_width(mut self, width: Width) -> Self {
+        self.width = width;
+        self
+    }
+
+    /// Where the numbers of [`Regressor::fill_packed`] belong.
+    #[must_use]
+    pub fn packed_layout(&self, model: Model) -> &PackedLayout {
+        &self.layouts[family(model)]
+    }
+
+    /// Samples in a tile of [`Regressor::fill_packed`].
+    #[must_use]
+    pub fn lanes(&self) -> usize {
+        self.width.lanes()
+    }
+
+    /// The nonzeros of all columns, in tiles: see [`PackedLayout`]. Fills `out`
+    /// ([`PackedLayout::len`] numbers).
+    ///
+    /// # Errors
+    /// [`RegressorError`] if an array has the wrong length or a state is not finite.
+    pub fn fill_packed(
+        &self,
+        model: Model,
+        states: States<'_>,
+        out: &mut [f64],
+    ) -> Result<(), RegressorError> {
+        let samples = states.count(self.dof(), self.dof())?;
+        let layout = self.packed_layout(model);
+        let lanes = self.lanes();
+        let expected = layout.len(samples, lanes);
+        if out.len() != expected {
+            let shape = format!("{samples} samples in tiles of {lanes}");
+            check_length("out", expected, out.len(), &shape)?;
+        }
+        let form = Form::Packed(layout.entries().len());
+        self.run(model, states, form, self.width, out)
+    }
+
+    /// The robot's constants, if its rows are those of all joints: then the recursion over
+    /// lanes gives them.
+    #[must_use]
+    pub fn unconstrained(&self) -> Option<&Tree<f64>> {
+        (self.expansion.is_none() && !self.tree.is_floating()).then_some(&self.tree)
+    }
+
+    /// The lanes of batches.
+    #[must_use]
+    pub fn width(&self) -> Width {
+        self.width
+    }
+
+    /// Whether batches go by lanes: where joints depend on others G comes with every sample.
+    fn in_lanes(&self) -> bool {
+        self.width > Width::Plain && self.unconstrained().is_some()
+    }
+
+    /// The lanes for so many samples: one lane for one.
+    fn width_for(&self, samples: usize) -> Width {
+        match samples {
+            0 | 1 => self.width.min(Width::narrow()),
+            _ => self.width,
+        }
+    }
+
+    /// Fills `out` by lanes.
+    fn run(
+        &self,
+        model: Model,
+        states: States<'_>,
+        form: Form<'_>,
+        width: Width,
+        out: &mut [f64],
+    ) -> Result<(), RegressorError> {
+        let task = Fill {
+            pool: &self.pool,
+            tree: &self.tree,
+            model,
+            states,
+            form,
+            stream: size_of_val(out) > STREAM_BYTES,
+            out,
+        };
+        dispatch(width, task).map_err(|bad| states.fault(bad, self.dof()))
     }
 
     /// Number of degrees of freedom n of the tree.
@@ -139,6 +250,15 @@ impl Regressor {
         &self.space
     }
 
+    /// The number of samples N, once it is sure that the states fit the robot.
+    ///
+    /// # Errors
+    /// [`RegressorError`] if an array has the wrong length, a state is not finite or an
+    /// attitude is none.
+    pub fn check(&self, states: States<'_>) -> Result<usize, RegressorError> {
+        states.check(self.positions(), self.independent())
+    }
+
     /// All columns of a model: fills `out` (N x rows x C).
     ///
     /// # Errors
@@ -149,8 +269,15 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(self.positions(), self.independent())?;
         let width = self.space.len();
+        if self.in_lanes() {
+            let samples = states.count(self.dof(), self.dof())?;
+            check_out(model, samples, self.dof(), width, out.len())?;
+            let export = &self.exports[family(model)];
+            let width = self.width_for(samples);
+            return self.run(model, states, Form::Rows(export), width, out);
+        }
+        let samples = self.check(states)?;
         check_out(model, samples, self.independent(), width, out.len())?;
         let mut motions = self.motions(model, states);
         let mut rows = Rows::new(&self.tree, &self.space, None);
@@ -174,7 +301,17 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(self.positions(), self.independent())?;
+        if self.in_lanes() {
+            let samples = states.count(self.dof(), self.dof())?;
+            check_out(model, samples, self.dof(), columns.len(), out.len())?;
+            let layout = &self.layouts[family(model)];
+            let places = places(columns, self.space.len());
+            let place = |column: usize| places[column].map(|place| place as usize);
+            let export = Export::new(layout, model.rows(self.dof()), columns.len(), place);
+            let width = self.width_for(samples);
+            return self.run(model, states, Form::Rows(&export), width, out);
+        }
+        let samples = self.check(states)?;
         check_out(model, samples, self.independent(), columns.len(), out.len())?;
         let mut motions = self.motions(model, states);
         let mut rows = Rows::new(&self.tree, &self.space, Some(columns));
@@ -197,7 +334,7 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(self.positions(), self.independent())?;
+        let samples = self.check(states)?;
         let width = self.space.len();
         check_out(model, samples, self.independent(), width, out.len())?;
         let tree = self.tree.magnitude();
@@ -231,9 +368,22 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(self.positions(), self.independent())?;
+        let samples = states.count(self.positions(), self.independent())?;
         check_length("x", self.space.len(), x.len(), "one number a parameter")?;
         check_out(Model::D, samples, self.independent(), 1, out.len())?;
+        if self.in_lanes() {
+            let task = FillTorques {
+                pool: &self.pool,
+                tree: &self.tree,
+                space: &self.space,
+                states,
+                x,
+                out,
+            };
+            return dispatch(self.width_for(samples), task)
+                .map_err(|b| states.fault(b, self.dof()));
+        }
+        self.check(states)?;
         let mut motions = self.motions(Model::D, states);
         let mut workspace = DynamicsWorkspace::new(&self.tree);
         for (sample, torques) in out.chunks_exact_mut(self.independent()).enumerate() {
@@ -263,14 +413,14 @@ impl Regressor {
     }
 
     /// The states of all n joint variables of the tree, those included that follow others by
-    /// couples or loops: q, qd and qdd, N x n each. A floating base is left out.
+    /// couples or loops: q, qd and qdd, N x n each (q of a floating robot N x (n + 1)).
     ///
     /// # Errors
     /// [`RegressorError`] if an array has the wrong length, a state is not finite, or the
     /// constraints have no value there.
     pub fn expand(&self, states: States<'_>) -> Result<[Vec<f64>; 3], RegressorError> {
         let m = self.independent();
-        let samples = states.check(self.positions(), m)?;
+        let samples = self.check(states)?;
         let mut all: [Vec<f64>; 3] = Default::default();
         let mut expanded = self.expansion.as_ref().map(Expansion::states);
         let positions = self.positions();
@@ -291,9 +441,11 @@ impl Regressor {
                 }
                 _ => state,
             };
-            all.iter_mut()
-                .zip(joints)
-                .for_each(|(all, x)| all.extend(x));
+            let base = if self.tree.is_floating() { 6 } else { 0 };
+            all[0].extend(&q[..positions - m + base]);
+            all[0].extend(&joints[0][base..]);
+            all[1].extend(joints[1]);
+            all[2].extend(joints[2]);
         }
         Ok(all)
     }
@@ -333,17 +485,51 @@ pub struct States<'a> {
 const QUATERNION_ROUNDING: f64 = 1e-2;
 
 impl States<'_> {
-    /// The number of samples N, for so many coordinates of a position and of a velocity.
-    fn check(&self, positions: usize, velocities: usize) -> Result<usize, RegressorError> {
-        let samples = self.q.len() / positions;
-        let arrays = [
+    /// The arrays with their widths, for so many coordinates of a position and of a velocity.
+    fn arrays(&self, positions: usize, velocities: usize) -> [(&'static str, &[f64], usize); 3] {
+        [
             ("q", self.q, positions),
             ("qd", self.qd, velocities),
             ("qdd", self.qdd, velocities),
-        ];
-        for (array, values, width) in arrays {
-            let shape = format!("{samples} samples x {width} coordinates");
-            check_length(array, samples * width, values.len(), &shape)?;
+        ]
+    }
+
+    /// The number of samples N, if the lengths agree.
+    fn count(&self, positions: usize, velocities: usize) -> Result<usize, RegressorError> {
+        let samples = self.q.len() / positions;
+        for (array, values, width) in self.arrays(positions, velocities) {
+            if values.len() != samples * width {
+                let shape = format!("{samples} samples x {width} coordinates");
+                check_length(array, samples * width, values.len(), &shape)?;
+            }
+        }
+        Ok(samples)
+    }
+
+    /// What is not finite in a tile.
+    #[cold]
+    fn fault(&self, bad: BadTile, dof: usize) -> RegressorError {
+        let BadTile(first) = bad;
+        let rest = |values: &[f64]| values[first * dof..].iter().position(|x| !x.is_finite());
+        let arrays = [("q", self.q), ("qd", self.qd), ("qdd", self.qdd)];
+        let found = arrays.map(|(array, values)| (rest(values), array, values));
+        let (at, array, values) = found
+            .into_iter()
+            .find(|(at, ..)| at.is_some())
+            .expect("a tile is bad because of a state");
+        let at = first * dof + at.unwrap_or(0);
+        RegressorError::NotFinite {
+            array,
+            sample: at / dof,
+            joint: at % dof,
+            value: values[at],
+        }
+    }
+
+    /// The number of samples N, all finite.
+    fn check(&self, positions: usize, velocities: usize) -> Result<usize, RegressorError> {
+        let samples = self.count(positions, velocities)?;
+        for (array, values, width) in self.arrays(positions, velocities) {
             if let Some(at) = values.iter().position(|x| !x.is_finite()) {
                 return Err(RegressorError::NotFinite {
                     array,
@@ -457,13 +643,7 @@ struct Rows<'a, T> {
 
 impl<'a, T: Scalar> Rows<'a, T> {
     fn new(tree: &'a Tree<T>, space: &'a ParameterSpace, columns: Option<&[usize]>) -> Self {
-        let choice = columns.map(|columns| {
-            let mut places = vec![None; space.len()];
-            for (place, &column) in columns.iter().enumerate() {
-                places[column] = Some(place as u32);
-            }
-            (places, columns.len())
-        });
+        let choice = columns.map(|columns| (places(columns, space.len()), columns.len()));
         Self {
             tree,
             space,
@@ -524,6 +704,20 @@ impl<'a, T: Scalar> Rows<'a, T> {
     }
 }
 
+/// d and d0 have the same nonzeros, h has others.
+fn family(model: Model) -> usize {
+    usize::from(model == Model::H)
+}
+
+/// Each column's place among the chosen ones.
+fn places(columns: &[usize], width: usize) -> Vec<Option<u32>> {
+    let mut places = vec![None; width];
+    for (place, &column) in columns.iter().enumerate() {
+        places[column] = Some(place as u32);
+    }
+    places
+}
+
 fn check_out(
     model: Model,
     samples: usize,
@@ -531,9 +725,13 @@ fn check_out(
     width: usize,
     found: usize,
 ) -> Result<(), RegressorError> {
+    let expected = samples * model.rows(dof) * width;
+    if found == expected {
+        return Ok(());
+    }
     let rows = model.rows(dof);
     let shape = format!("{samples} samples x {rows} rows x {width} columns");
-    check_length("out", samples * rows * width, found, &shape)
+    check_length("out", expected, found, &shape)
 }
 
 fn check_length(

@@ -1,8 +1,9 @@
 use roberval_mechanism::JointKind;
-use roberval_scalar::Scalar;
+use roberval_scalar::{Lift, Scalar};
 
-use crate::vector::{Mat3, Vec3, add, apply, apply_transposed, cross, dot, scale};
-use crate::{BaseState, Body, Constants, JointMotion, Sink, Tree};
+use crate::frame::{Frame, General, Layout, Right, with_frame};
+use crate::vector::{Mat3, Vec3, dot, lift3, negative};
+use crate::{BaseState, Body, JointMotion, Sink, Tree};
 
 /// How a body moves, in its own frame.
 #[derive(Debug, Clone, Copy)]
@@ -20,128 +21,240 @@ pub(crate) struct BodyState<T> {
 /// A unit velocity of one joint, as a body on its way to the tip feels it.
 #[derive(Debug, Clone, Copy)]
 struct Screw<T> {
-    /// Joint variable: the row of the regressor.
-    row: usize,
     /// Angular velocity, in the body's frame.
     e: Vec3<T>,
     /// Velocity of the body's origin, in the body's frame.
     v: Vec3<T>,
 }
 
+/// A moving joint on a body's path to the base.
+#[derive(Debug, Clone, Copy)]
+struct Ancestor {
+    /// Joint variable: the row of the regressor.
+    row: usize,
+    /// Whether it is prismatic, its screw then without e.
+    slides: bool,
+}
+
+/// Where a body's path is in a list of all paths.
+#[derive(Debug, Clone, Copy)]
+struct Span {
+    first: usize,
+    /// How many joints the antecedent's path has; its own joint, if any, comes after them.
+    inherited: usize,
+    /// Where the antecedent's path is.
+    from: usize,
+}
+
 /// Working memory of [`dynamics`], made once for a tree.
 #[derive(Debug, Clone)]
 pub struct DynamicsWorkspace<T> {
     states: Vec<BodyState<T>>,
-    /// The screws of each body's path to the base, body after body.
+    /// The joints of each body's path from the base, body after body.
+    ancestors: Vec<Ancestor>,
+    /// Their screws.
     screws: Vec<Screw<T>>,
-    /// Where each body's screws begin and how many there are.
-    spans: Vec<(usize, usize)>,
-    base: BodyState<T>,
+    spans: Vec<Span>,
 }
 
 impl<T: Scalar> DynamicsWorkspace<T> {
     /// Working memory for this tree.
     #[must_use]
-    pub fn new(tree: &Tree<T>) -> Self {
-        let zero = tree.constants.zero;
-        let base = BodyState {
-            w: [zero; 3],
-            dw: [zero; 3],
-            a: tree.gravity.map(|g| -g),
-            u: [[zero; 3]; 3],
+    pub fn new<C: Copy>(tree: &Tree<C>) -> Self
+    where
+        T: Lift<C>,
+    {
+        let zero = [T::lift(tree.constants.zero); 3];
+        let mut ancestors = Vec::new();
+        let mut screws = Vec::new();
+        let mut spans: Vec<Span> = Vec::with_capacity(tree.bodies.len());
+        for body in &tree.bodies {
+            let first = ancestors.len();
+            let (from, inherited) = match body.antecedent {
+                Some(a) => {
+                    let own = usize::from(tree.bodies[a].joint.has_axis());
+                    (spans[a].first, spans[a].inherited + own)
+                }
+                None => (first, 0),
+            };
+            if body.joint == JointKind::Floating {
+                let one = T::lift(tree.constants.one);
+                unit_screws(zero, one, &mut ancestors, &mut screws);
+                spans.push(Span {
+                    first,
+                    inherited: 6,
+                    from,
+                });
+                continue;
+            }
+            ancestors.extend_from_within(from..from + inherited);
+            screws.resize(ancestors.len(), Screw { e: zero, v: zero });
+            if let Some(row) = body.variable {
+                let slides = body.joint == JointKind::Prismatic;
+                let axis = lift3(&body.axis);
+                let (e, v) = if slides { (zero, axis) } else { (axis, zero) };
+                ancestors.push(Ancestor { row, slides });
+                screws.push(Screw { e, v });
+            }
+            spans.push(Span {
+                first,
+                inherited,
+                from,
+            });
+        }
+        let rest = BodyState {
+            w: zero,
+            dw: zero,
+            a: zero,
+            u: [zero; 3],
         };
         Self {
-            states: Vec::with_capacity(tree.bodies.len()),
-            screws: Vec::with_capacity(tree.depths().iter().sum()),
-            spans: Vec::with_capacity(tree.bodies.len()),
-            base,
+            states: vec![rest; tree.bodies.len()],
+            ancestors,
+            screws,
+            spans,
         }
     }
 
     /// Where the base of a floating robot is and how it moves from now on.
     pub fn move_base(&mut self, tree: &Tree<T>, base: &BaseState<T>) {
-        let (w, dw) = (base.w, base.dw);
-        self.base = BodyState {
-            w,
-            dw,
-            a: base.acceleration(tree),
-            u: acceleration_field(w, dw),
-        };
+        let state = &mut self.states[0];
+        (state.w, state.dw, state.a) = (base.w, base.dw, base.acceleration(tree));
+    }
+}
+
+/// The six unit velocities of a base that floats, along and about its axes.
+fn unit_screws<T: Scalar>(
+    zero: Vec3<T>,
+    one: T,
+    ancestors: &mut Vec<Ancestor>,
+    screws: &mut Vec<Screw<T>>,
+) {
+    for row in 0..6 {
+        let mut unit = zero;
+        unit[row % 3] = one;
+        let slides = row < 3;
+        let (e, v) = if slides { (zero, unit) } else { (unit, zero) };
+        ancestors.push(Ancestor { row, slides });
+        screws.push(Screw { e, v });
     }
 }
 
 /// The rows of the dynamic model d at one state (Gautier 1991, eq. (5)), or of d0 if
 /// all velocities are zero (eq. (8)): `sink` receives, link by link, the ten inertial
-/// columns' entries on every row of the path to the base, then the rotor's.
+/// columns' entries on every row of the path from the base, then the rotor's.
 ///
 /// `motion` has one entry a body (that of a fixed joint is not looked at); the base of a
 /// floating robot is where [`DynamicsWorkspace::move_base`] put it last. Its rows are the
 /// wrench on it, force before moment, in its own frame.
-pub fn dynamics<T: Scalar>(
-    tree: &Tree<T>,
+#[inline(always)]
+pub fn dynamics<C: Copy, T: Lift<C>>(
+    tree: &Tree<C>,
     motion: &[JointMotion<T>],
     workspace: &mut DynamicsWorkspace<T>,
     sink: &mut impl Sink<T>,
 ) {
-    workspace.states.clear();
-    workspace.screws.clear();
-    workspace.spans.clear();
     for (j, (body, motion)) in tree.bodies.iter().zip(motion).enumerate() {
-        let parent = body
-            .antecedent
-            .map_or(workspace.base, |a| workspace.states[a]);
-        let state = if body.joint == JointKind::Floating {
-            unit_screws(tree.constants, workspace);
-            parent
-        } else {
-            let (rotation, origin) = body.placement(motion);
-            carry_screws(body, &rotation, origin, tree.constants, workspace);
-            forward(body, motion, &parent, &rotation, origin)
-        };
-        workspace.states.push(state);
+        if body.joint != JointKind::Floating {
+            with_frame!(body, motion, step, tree, j, motion, workspace);
+        }
+        let state = &mut workspace.states[j];
+        let forces = Forces::of(state);
+        state.u = forces.u;
         if body.massless {
             continue;
         }
-        let (first, count) = workspace.spans[j];
-        for screw in &workspace.screws[first..first + count] {
-            sink.link(j, screw.row, project(screw, &state));
+        let Span {
+            first, inherited, ..
+        } = workspace.spans[j];
+        let ancestors = &workspace.ancestors[first..first + inherited];
+        let screws = &workspace.screws[first..first + inherited];
+        for k in 0..inherited {
+            let columns = match ancestors[k].slides {
+                false => forces.on_screw(&screws[k]),
+                true => forces.on_translation(tree.constants.zero, screws[k].v),
+            };
+            sink.link(j, ancestors[k].row, columns);
         }
-        if let (Some(row), true) = (body.variable, body.rotor) {
-            sink.rotor(j, row, motion.qdd * body.axis_squared);
+        let Some(row) = body.variable.filter(|_| body.joint.has_axis()) else {
+            continue;
+        };
+        sink.link(j, row, forces.on_own_joint(body, tree.constants.zero));
+        if body.rotor {
+            sink.rotor(j, row, T::lift(body.axis_squared) * motion.qdd);
         }
+    }
+}
+
+/// One body: its motion and the screws of its path, from the antecedent's.
+#[inline(always)]
+fn step<C: Copy, T: Lift<C>>(
+    frame: &impl Frame<T>,
+    tree: &Tree<C>,
+    j: usize,
+    motion: &JointMotion<T>,
+    workspace: &mut DynamicsWorkspace<T>,
+) {
+    let body = &tree.bodies[j];
+    let (before, from_here) = workspace.states.split_at_mut(j);
+    let parent = body.antecedent.map(|a| &before[a]);
+    forward(frame, tree, body, motion, parent, &mut from_here[0]);
+    let Span {
+        first,
+        inherited,
+        from,
+    } = workspace.spans[j];
+    let (before, own) = workspace.screws.split_at_mut(first);
+    let (own, from) = (&mut own[..inherited], &before[from..from + inherited]);
+    let ancestors = &workspace.ancestors[first..first + inherited];
+    for k in 0..inherited {
+        let v = frame.take(&from[k].v);
+        if ancestors[k].slides {
+            frame.give(frame.turn(v), &mut own[k].v);
+            continue;
+        }
+        let e = frame.take(&from[k].e);
+        frame.give(frame.turn(e), &mut own[k].e);
+        frame.give(frame.turn(frame.carry(v, e)), &mut own[k].v);
     }
 }
 
 /// Velocities and accelerations from the antecedent's (Newton-Euler, outward).
 #[inline(always)]
-fn forward<T: Scalar>(
-    body: &Body<T>,
+fn forward<C: Copy, T: Lift<C>>(
+    frame: &impl Frame<T>,
+    tree: &Tree<C>,
+    body: &Body<C>,
     motion: &JointMotion<T>,
-    parent: &BodyState<T>,
-    rotation: &Mat3<T>,
-    origin: Vec3<T>,
-) -> BodyState<T> {
-    let mut w = apply_transposed(rotation, parent.w);
-    let mut dw = apply_transposed(rotation, parent.dw);
-    let mut a = apply_transposed(rotation, add(parent.a, apply(&parent.u, origin)));
-    let (velocity, acceleration) = (scale(body.axis, motion.qd), scale(body.axis, motion.qdd));
+    parent: Option<&BodyState<T>>,
+    state: &mut BodyState<T>,
+) {
+    let zero = [T::lift(tree.constants.zero); 3];
+    let (mut w, mut dw, mut a) = match parent {
+        Some(parent) => (
+            frame.turn(frame.take(&parent.w)),
+            frame.turn(frame.take(&parent.dw)),
+            frame.turn(frame.at_origin(frame.take(&parent.a), &parent.u)),
+        ),
+        None => {
+            let up = negative(lift3(&tree.gravity));
+            (zero, zero, frame.turn(frame.take(&up)))
+        }
+    };
+    let (qd, qdd) = (motion.qd, motion.qdd);
     match body.joint {
         JointKind::Revolute => {
-            dw = add(add(dw, cross(w, velocity)), acceleration);
-            w = add(w, velocity);
+            dw = frame.along_axis(frame.across_axis(dw, w, qd), qdd);
+            w = frame.along_axis(w, qd);
         }
         JointKind::Prismatic => {
-            let coriolis = cross(w, velocity);
-            a = add(add(a, add(coriolis, coriolis)), acceleration);
+            a = frame.along_axis(frame.across_axis(a, w, qd + qd), qdd);
         }
         JointKind::Fixed | JointKind::Floating => {}
     }
-    BodyState {
-        w,
-        dw,
-        a,
-        u: acceleration_field(w, dw),
-    }
+    frame.give(w, &mut state.w);
+    frame.give(dw, &mut state.dw);
+    frame.give(a, &mut state.a);
 }
 
 /// U = `[dw]x + [w]x [w]x`.
@@ -156,75 +269,122 @@ pub(crate) fn acceleration_field<T: Scalar>(w: Vec3<T>, dw: Vec3<T>) -> Mat3<T> 
     ]
 }
 
-/// The six unit velocities of a base that floats, along and about its axes.
-fn unit_screws<T: Scalar>(constants: Constants<T>, workspace: &mut DynamicsWorkspace<T>) {
-    let Constants { zero, one, .. } = constants;
-    let still = [zero; 3];
-    for row in 0..6 {
-        let mut unit = still;
-        unit[row % 3] = one;
-        let (e, v) = if row < 3 {
-            (still, unit)
-        } else {
-            (unit, still)
-        };
-        workspace.screws.push(Screw { row, e, v });
-    }
-    workspace.spans.push((0, 6));
+/// The inertia forces of a body, parameter by parameter: the force of a unit first moment
+/// m is `U m` and its moment `m x a`; that of a unit mass is `a`; a unit inertia J gives
+/// the moment `J dw + w x J w`.
+struct Forces<T> {
+    dw: Vec3<T>,
+    a: Vec3<T>,
+    u: Mat3<T>,
+    xy: T,
+    xz: T,
+    yz: T,
+    /// x2 - y2, z2 - x2, y2 - z2 of w.
+    x2_y2: T,
+    z2_x2: T,
+    y2_z2: T,
 }
 
-/// Brings the antecedent's screws into this body's frame and adds the joint's own.
-#[inline(always)]
-fn carry_screws<T: Scalar>(
-    body: &Body<T>,
-    rotation: &Mat3<T>,
-    origin: Vec3<T>,
-    constants: Constants<T>,
-    workspace: &mut DynamicsWorkspace<T>,
-) {
-    let first = workspace.screws.len();
-    let (from, count) = body.antecedent.map_or((0, 0), |a| workspace.spans[a]);
-    for k in from..from + count {
-        let Screw { row, e, v } = workspace.screws[k];
-        workspace.screws.push(Screw {
-            row,
-            e: apply_transposed(rotation, e),
-            v: apply_transposed(rotation, add(v, cross(e, origin))),
-        });
+impl<T: Scalar> Forces<T> {
+    #[inline(always)]
+    fn of(state: &BodyState<T>) -> Self {
+        let (w, dw) = (state.w, state.dw);
+        let (x2, y2, z2) = (w[0] * w[0], w[1] * w[1], w[2] * w[2]);
+        let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
+        Self {
+            dw,
+            a: state.a,
+            u: [
+                [-(y2 + z2), xy - dw[2], xz + dw[1]],
+                [xy + dw[2], -(x2 + z2), yz - dw[0]],
+                [xz - dw[1], yz + dw[0], -(x2 + y2)],
+            ],
+            xy,
+            xz,
+            yz,
+            x2_y2: x2 - y2,
+            z2_x2: z2 - x2,
+            y2_z2: y2 - z2,
+        }
     }
-    if let Some(row) = body.variable {
-        let still = [constants.zero; 3];
-        let (e, v) = match body.joint {
-            JointKind::Prismatic => (still, body.axis),
-            _ => (body.axis, still),
-        };
-        workspace.screws.push(Screw { row, e, v });
-    }
-    workspace
-        .spans
-        .push((first, workspace.screws.len() - first));
-}
 
-/// The power of the link's inertia forces along a screw, parameter by parameter, XX to M:
-/// the force of a unit first moment m is `U m` and its moment `m x a`; that of a unit
-/// mass is `a`; a unit inertia J gives the moment `J dw + w x J w`.
-#[inline(always)]
-fn project<T: Scalar>(screw: &Screw<T>, state: &BodyState<T>) -> [T; 10] {
-    let (e, v) = (screw.e, screw.v);
-    let (w, dw, a, u) = (state.w, state.dw, state.a, &state.u);
-    let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
-    let (x2, y2, z2) = (w[0] * w[0], w[1] * w[1], w[2] * w[2]);
-    let moment = add(cross(a, e), apply_transposed(u, v));
-    [
-        dw[0] * e[0] + xz * e[1] - xy * e[2],
-        (x2 - y2) * e[2] - u[2][0] * e[0] + u[2][1] * e[1],
-        u[1][0] * e[0] + (z2 - x2) * e[1] - u[1][2] * e[2],
-        dw[1] * e[1] - yz * e[0] + xy * e[2],
-        (y2 - z2) * e[0] - u[0][1] * e[1] + u[0][2] * e[2],
-        yz * e[0] - xz * e[1] + dw[2] * e[2],
-        moment[0],
-        moment[1],
-        moment[2],
-        dot(v, a),
-    ]
+    /// Their power along a screw, XX to M.
+    #[inline(always)]
+    fn on_screw(&self, screw: &Screw<T>) -> [T; 10] {
+        let ([ex, ey, ez], v) = (screw.e, screw.v);
+        let Self { dw, a, u, .. } = self;
+        [
+            ez.neg_mul_add(self.xy, ey.mul_add(self.xz, dw[0] * ex)),
+            ez.mul_add(self.x2_y2, ex.neg_mul_add(u[2][0], u[2][1] * ey)),
+            ey.mul_add(self.z2_x2, ez.neg_mul_add(u[1][2], u[1][0] * ex)),
+            ez.mul_add(self.xy, ex.neg_mul_add(self.yz, dw[1] * ey)),
+            ex.mul_add(self.y2_z2, ey.neg_mul_add(u[0][1], u[0][2] * ez)),
+            ex.mul_add(self.yz, ey.neg_mul_add(self.xz, dw[2] * ez)),
+            self.along(0, v, ey.neg_mul_add(a[2], a[1] * ez)),
+            self.along(1, v, ez.neg_mul_add(a[0], a[2] * ex)),
+            self.along(2, v, ex.neg_mul_add(a[1], a[0] * ey)),
+            dot(v, *a),
+        ]
+    }
+
+    /// `U' v` along axis k, added to what the rotation gives.
+    #[inline(always)]
+    fn along(&self, k: usize, v: Vec3<T>, turning: T) -> T {
+        let u = &self.u;
+        let sum = u[0][k].mul_add(v[0], turning);
+        u[2][k].mul_add(v[2], u[1][k].mul_add(v[1], sum))
+    }
+
+    /// Their power along a translation.
+    #[inline(always)]
+    fn on_translation<C: Copy>(&self, zero: C, v: Vec3<T>) -> [T; 10]
+    where
+        T: Lift<C>,
+    {
+        let Self { a, u, .. } = self;
+        let zero = T::lift(zero);
+        let column = |k: usize| [u[0][k], u[1][k], u[2][k]];
+        let [mx, my, mz] = [dot(column(0), v), dot(column(1), v), dot(column(2), v)];
+        [zero, zero, zero, zero, zero, zero, mx, my, mz, dot(v, *a)]
+    }
+
+    /// Their power along the unit velocity of the body's own joint: mostly a copy.
+    #[inline(always)]
+    fn on_own_joint<C: Copy>(&self, body: &Body<C>, zero: C) -> [T; 10]
+    where
+        T: Lift<C>,
+    {
+        let axis = lift3(&body.axis);
+        let Self { dw, a, u, .. } = self;
+        let none = T::lift(zero);
+        let aligned = match &body.layout {
+            Layout::Aligned(aligned) => Some((aligned.axis, aligned.reversed)),
+            Layout::General => None,
+        };
+        let columns = match (body.joint, aligned.map(|(along, _)| along)) {
+            (JointKind::Prismatic, _) => return self.on_translation(zero, axis),
+            (_, None) => {
+                return self.on_screw(&Screw {
+                    e: axis,
+                    v: [none; 3],
+                });
+            }
+            (_, Some(0)) => [
+                dw[0], -u[2][0], u[1][0], -self.yz, self.y2_z2, self.yz, none, a[2], -a[1], none,
+            ],
+            (_, Some(1)) => [
+                self.xz, u[2][1], self.z2_x2, dw[1], -u[0][1], -self.xz, -a[2], none, a[0], none,
+            ],
+            (_, Some(_)) => [
+                -self.xy, self.x2_y2, -u[1][2], self.xy, u[0][2], dw[2], a[1], -a[0], none, none,
+            ],
+        };
+        let mut columns = columns;
+        if let Some((_, true)) = aligned {
+            for column in &mut columns {
+                *column = -*column;
+            }
+        }
+        columns
+    }
 }

@@ -1,8 +1,9 @@
 use roberval_mechanism::JointKind;
-use roberval_scalar::Scalar;
+use roberval_scalar::{Lift, Scalar};
 
-use crate::vector::{Mat3, Vec3, add, apply_transposed, cross, dot, scale};
-use crate::{BaseState, Body, JointMotion, Sink, Tree};
+use crate::frame::{Frame, General, Layout, Right, with_frame};
+use crate::vector::{Vec3, cross, dot, lift3};
+use crate::{BaseState, JointMotion, Sink, Tree};
 
 /// What the energy of a body needs, in the body's frame.
 #[derive(Debug, Clone, Copy)]
@@ -21,28 +22,30 @@ struct BodyState<T> {
 #[derive(Debug, Clone)]
 pub struct EnergyWorkspace<T> {
     states: Vec<BodyState<T>>,
-    base: BodyState<T>,
 }
 
 impl<T: Scalar> EnergyWorkspace<T> {
     /// Working memory for this tree.
     #[must_use]
-    pub fn new(tree: &Tree<T>) -> Self {
-        let zero = tree.constants.zero;
+    pub fn new<C: Copy>(tree: &Tree<C>) -> Self
+    where
+        T: Lift<C>,
+    {
+        let zero = T::lift(tree.constants.zero);
+        let rest = BodyState {
+            w: [zero; 3],
+            v: [zero; 3],
+            g: lift3(&tree.gravity),
+            height: zero,
+        };
         Self {
-            states: Vec::with_capacity(tree.bodies.len()),
-            base: BodyState {
-                w: [zero; 3],
-                v: [zero; 3],
-                g: tree.gravity,
-                height: zero,
-            },
+            states: vec![rest; tree.bodies.len()],
         }
     }
 
     /// Where the base of a floating robot is and how it moves from now on.
     pub fn move_base(&mut self, tree: &Tree<T>, base: &BaseState<T>) {
-        self.base = BodyState {
+        self.states[0] = BodyState {
             w: base.w,
             v: base.v,
             g: base.gravity(tree),
@@ -54,57 +57,63 @@ impl<T: Scalar> EnergyWorkspace<T> {
 /// The energy row h at one state (Gautier 1991, eq. (10)): `sink` receives it as row 0,
 /// link by link. Only differences of h between states mean anything. The base of a floating
 /// robot is where [`EnergyWorkspace::move_base`] put it last.
-pub fn energy<T: Scalar>(
-    tree: &Tree<T>,
+#[inline(always)]
+pub fn energy<C: Copy, T: Lift<C>>(
+    tree: &Tree<C>,
     motion: &[JointMotion<T>],
     workspace: &mut EnergyWorkspace<T>,
     sink: &mut impl Sink<T>,
 ) {
-    let half = tree.constants.half;
-    workspace.states.clear();
+    let half = T::lift(tree.constants.half);
     for (j, (body, motion)) in tree.bodies.iter().zip(motion).enumerate() {
-        let parent = body
-            .antecedent
-            .map_or(workspace.base, |a| workspace.states[a]);
-        let state = if body.joint == JointKind::Floating {
-            parent
-        } else {
-            let (rotation, origin) = body.placement(motion);
-            forward(body, motion, &parent, &rotation, origin)
-        };
-        workspace.states.push(state);
+        let states = &mut workspace.states;
+        if body.joint != JointKind::Floating {
+            with_frame!(body, motion, forward, tree, j, motion, states);
+        }
         if body.massless {
             continue;
         }
-        sink.link(j, 0, link_energy(&state, half));
+        sink.link(j, 0, link_energy(&states[j], half));
         if body.rotor {
-            sink.rotor(j, 0, half * motion.qd * motion.qd * body.axis_squared);
+            let squared = T::lift(body.axis_squared);
+            sink.rotor(j, 0, half * motion.qd * motion.qd * squared);
         }
     }
 }
 
 #[inline(always)]
-fn forward<T: Scalar>(
-    body: &Body<T>,
+fn forward<C: Copy, T: Lift<C>>(
+    frame: &impl Frame<T>,
+    tree: &Tree<C>,
+    j: usize,
     motion: &JointMotion<T>,
-    parent: &BodyState<T>,
-    rotation: &Mat3<T>,
-    origin: Vec3<T>,
-) -> BodyState<T> {
-    let mut w = apply_transposed(rotation, parent.w);
-    let mut v = apply_transposed(rotation, add(parent.v, cross(parent.w, origin)));
-    let velocity = scale(body.axis, motion.qd);
+    states: &mut [BodyState<T>],
+) {
+    let body = &tree.bodies[j];
+    let zero = T::lift(tree.constants.zero);
+    let (mut w, mut v, g, height) = match body.antecedent.map(|a| states[a]) {
+        Some(parent) => {
+            let (w, g) = (frame.take(&parent.w), frame.take(&parent.g));
+            let v = frame.carry(frame.take(&parent.v), w);
+            (frame.turn(w), frame.turn(v), g, parent.height)
+        }
+        None => (
+            [zero; 3],
+            [zero; 3],
+            frame.take(&lift3(&tree.gravity)),
+            zero,
+        ),
+    };
     match body.joint {
-        JointKind::Revolute => w = add(w, velocity),
-        JointKind::Prismatic => v = add(v, velocity),
+        JointKind::Revolute => w = frame.along_axis(w, motion.qd),
+        JointKind::Prismatic => v = frame.along_axis(v, motion.qd),
         JointKind::Fixed | JointKind::Floating => {}
     }
-    BodyState {
-        w,
-        v,
-        g: apply_transposed(rotation, parent.g),
-        height: parent.height + dot(parent.g, origin),
-    }
+    let state = &mut states[j];
+    frame.give(w, &mut state.w);
+    frame.give(v, &mut state.v);
+    frame.give(frame.turn(g), &mut state.g);
+    state.height = frame.rise(height, g);
 }
 
 /// The ten functions h_i of a link (Gautier 1991, eq. (10)).

@@ -7,7 +7,8 @@
 //! * [`Sink`]: where the columns go: dense rows, torques, selected columns.
 //! * [`Expansion`]: the state of all joints from that of the independent ones, and G;
 //!   [`Projected`]: rows for the independent ones.
-//! * [`Regressor`]: all of it for floats, over many samples.
+//! * [`Regressor`]: all of it for floats, over many samples and as many lanes of them as
+//!   the processor has; [`PackedLayout`]: the nonzeros alone.
 
 mod base;
 mod batch;
@@ -15,10 +16,15 @@ mod dynamics;
 mod energy;
 mod exact;
 mod expansion;
+mod formulas;
+mod frame;
+mod lanes;
 mod loops;
 mod motion;
 mod newton_euler;
+mod packed;
 mod sink;
+mod tile;
 mod transmission;
 mod tree;
 mod vector;
@@ -32,8 +38,11 @@ pub use exact::{
     NotInField, PreciseModel, RowsWorkspace, Turn, coupled, whole_multiple,
 };
 pub use expansion::{Expansion, JointStates, NoValue};
+pub use frame::{Aligned, Layout};
 pub use motion::JointMotion;
 pub use newton_euler::{Shape, newton_euler};
+pub use packed::PackedLayout;
 pub use sink::{DenseRows, SelectedRows, Sink, Torques};
+pub use tile::Tile;
 pub use transmission::{Projected, Transmission};
 pub use tree::{Body, Constants, Tree};

@@ -1,5 +1,5 @@
 use roberval_mechanism::ParameterSpace;
-use roberval_scalar::Scalar;
+use roberval_scalar::{Lift, Scalar};
 
 /// Where the recursion's columns go. Rows are added to what is there: hand in zeros.
 pub trait Sink<T> {
@@ -72,29 +72,29 @@ impl<T: Scalar> Sink<T> for SelectedRows<'_, T> {
 
 /// The product d X, without ever storing d.
 #[derive(Debug)]
-pub struct Torques<'a, T> {
+pub struct Torques<'a, C, T> {
     /// Where each link's parameters begin in `x`.
     pub space: &'a ParameterSpace,
     /// The standard parameters X.
-    pub x: &'a [T],
+    pub x: &'a [C],
     /// n joint torques, added to.
     pub torques: &'a mut [T],
 }
 
-impl<T: Scalar> Sink<T> for Torques<'_, T> {
+impl<C: Copy, T: Lift<C>> Sink<T> for Torques<'_, C, T> {
     #[inline(always)]
     fn link(&mut self, link: usize, row: usize, columns: [T; 10]) {
         let x = &self.x[self.space.first_column(link)..][..10];
         let mut torque = self.torques[row];
         for (column, x) in columns.iter().zip(x) {
-            torque = column.mul_add(*x, torque);
+            torque = column.mul_add(T::lift(*x), torque);
         }
         self.torques[row] = torque;
     }
 
     #[inline(always)]
     fn rotor(&mut self, link: usize, row: usize, value: T) {
-        let x = self.x[self.space.first_column(link) + 10];
+        let x = T::lift(self.x[self.space.first_column(link) + 10]);
         self.torques[row] = value.mul_add(x, self.torques[row]);
     }
 }

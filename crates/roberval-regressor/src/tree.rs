@@ -1,8 +1,8 @@
 use roberval_mechanism::{JointKind, Mechanism};
-use roberval_scalar::{Magnitude, Scalar};
+use roberval_scalar::Magnitude;
 
-use crate::JointMotion;
-use crate::vector::{Mat3, Vec3, add, apply, product, scale};
+use crate::frame::Layout;
+use crate::vector::{Mat3, Vec3};
 
 /// The constants a scalar cannot make by itself.
 #[derive(Debug, Clone, Copy)]
@@ -51,24 +51,8 @@ pub struct Body<T> {
     pub axis: Vec3<T>,
     /// Squared length of the axis vector.
     pub axis_squared: T,
-}
-
-impl<T: Scalar> Body<T> {
-    /// Rotation to the antecedent's frame and origin in it, with the joint moved.
-    #[inline(always)]
-    pub(crate) fn placement(&self, motion: &JointMotion<T>) -> (Mat3<T>, Vec3<T>) {
-        match self.joint {
-            JointKind::Revolute => (
-                product(&self.rotation, &motion.rotation(self.axis)),
-                self.origin,
-            ),
-            JointKind::Prismatic => {
-                let shift = apply(&self.rotation, scale(self.axis, motion.q));
-                (self.rotation, add(self.origin, shift))
-            }
-            JointKind::Fixed | JointKind::Floating => (self.rotation, self.origin),
-        }
-    }
+    /// What is known of the placement beyond these numbers.
+    pub layout: Layout,
 }
 
 impl<T> Tree<T> {
@@ -87,17 +71,7 @@ impl<T> Tree<T> {
     }
 }
 
-impl<T: Scalar> Tree<T> {
-    /// The number of bodies between the base and each body, itself included and a floating
-    /// base counting six times: an upper bound of the rows that its columns occupy.
-    pub(crate) fn depths(&self) -> Vec<usize> {
-        let mut depths = Vec::with_capacity(self.bodies.len());
-        for body in &self.bodies {
-            depths.push(body.joint.dof().max(1) + body.antecedent.map_or(0, |a| depths[a]));
-        }
-        depths
-    }
-
+impl<T: Copy> Tree<T> {
     /// The same tree over another scalar.
     pub fn map<S>(&self, convert: impl Fn(T) -> S) -> Tree<S> {
         let vector = |v: &Vec3<T>| v.map(&convert);
@@ -115,6 +89,7 @@ impl<T: Scalar> Tree<T> {
                     origin: vector(&b.origin),
                     axis: vector(&b.axis),
                     axis_squared: convert(b.axis_squared),
+                    layout: b.layout,
                 })
                 .collect(),
             gravity: vector(&self.gravity),
@@ -136,16 +111,22 @@ impl Tree<f64> {
         let bodies = mechanism
             .links
             .iter()
-            .map(|link| Body {
-                antecedent: link.antecedent,
-                joint: link.joint,
-                variable: next_variable(link.joint, &mut dof),
-                rotor: link.rotor,
-                massless: link.massless,
-                rotation: std::array::from_fn(|i| std::array::from_fn(|j| link.rotation[(i, j)])),
-                origin: link.origin.into(),
-                axis: link.axis.into(),
-                axis_squared: 1.0,
+            .map(|link| {
+                let rotation: Mat3<f64> =
+                    std::array::from_fn(|i| std::array::from_fn(|j| link.rotation[(i, j)]));
+                let (origin, axis) = (link.origin.into(), link.axis.into());
+                Body {
+                    antecedent: link.antecedent,
+                    joint: link.joint,
+                    variable: next_variable(link.joint, &mut dof),
+                    rotor: link.rotor,
+                    massless: link.massless,
+                    layout: Layout::of(link.joint, &rotation, &origin, &axis),
+                    rotation,
+                    origin,
+                    axis,
+                    axis_squared: 1.0,
+                }
             })
             .collect();
         Self {

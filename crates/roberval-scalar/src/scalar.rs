@@ -16,6 +16,26 @@ pub trait Scalar:
     fn mul_add(self, b: Self, c: Self) -> Self {
         self * b + c
     }
+
+    /// `c - self * b`.
+    #[inline(always)]
+    fn neg_mul_add(self, b: Self, c: Self) -> Self {
+        c - self * b
+    }
 }
 
 impl Scalar for f64 {}
+
+/// A scalar that takes the robot's constants, stored as `C`: the same number, or each
+/// lane of several.
+pub trait Lift<C>: Scalar {
+    /// The constant as this scalar.
+    fn lift(constant: C) -> Self;
+}
+
+impl<T: Scalar> Lift<T> for T {
+    #[inline(always)]
+    fn lift(constant: T) -> Self {
+        constant
+    }
+}

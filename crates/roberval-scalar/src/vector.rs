@@ -1,6 +1,8 @@
 //! Three-vectors and rotations over any scalar.
+//!
+//! Written out, without closures: what is not inlined loses the processor's features.
 
-use crate::Scalar;
+use crate::{Lift, Scalar};
 
 /// A vector in some frame.
 pub type Vec3<T> = [T; 3];
@@ -26,6 +28,27 @@ pub fn scale<T: Scalar>(a: Vec3<T>, s: T) -> Vec3<T> {
 #[must_use]
 pub fn sub<T: Scalar>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// -a
+#[inline(always)]
+#[must_use]
+pub fn negative<T: Scalar>(a: Vec3<T>) -> Vec3<T> {
+    [-a[0], -a[1], -a[2]]
+}
+
+/// A vector of constants.
+#[inline(always)]
+#[must_use]
+pub fn lift3<C: Copy, T: Lift<C>>(v: &Vec3<C>) -> Vec3<T> {
+    [T::lift(v[0]), T::lift(v[1]), T::lift(v[2])]
+}
+
+/// A matrix of constants.
+#[inline(always)]
+#[must_use]
+pub fn lift9<C: Copy, T: Lift<C>>(a: &Mat3<C>) -> Mat3<T> {
+    [lift3(&a[0]), lift3(&a[1]), lift3(&a[2])]
 }
 
 /// a . b
@@ -57,15 +80,22 @@ pub fn apply<T: Scalar>(a: &Mat3<T>, b: Vec3<T>) -> Vec3<T> {
 #[inline(always)]
 #[must_use]
 pub fn apply_transposed<T: Scalar>(a: &Mat3<T>, b: Vec3<T>) -> Vec3<T> {
-    let column = |k: usize| a[0][k].mul_add(b[0], a[1][k].mul_add(b[1], a[2][k] * b[2]));
-    [column(0), column(1), column(2)]
+    [
+        dot([a[0][0], a[1][0], a[2][0]], b),
+        dot([a[0][1], a[1][1], a[2][1]], b),
+        dot([a[0][2], a[1][2], a[2][2]], b),
+    ]
 }
 
 /// A B
 #[inline(always)]
 #[must_use]
 pub fn product<T: Scalar>(a: &Mat3<T>, b: &Mat3<T>) -> Mat3<T> {
-    a.map(|row| apply_transposed(b, row))
+    [
+        apply_transposed(b, a[0]),
+        apply_transposed(b, a[1]),
+        apply_transposed(b, a[2]),
+    ]
 }
 
 /// Rodrigues' rotation about the vector a: `cos I + sin [a]x + versine a a'`. For a unit

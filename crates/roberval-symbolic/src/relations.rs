@@ -122,7 +122,7 @@ pub fn symbolic_relations(
     mechanism: &Mechanism,
     options: &SymbolicOptions,
 ) -> Result<SymbolicRelations, SymbolicError> {
-    if mechanism.assembly.is_some() {
+    if !mechanism.is_affine() {
         return Err(SymbolicError::Loops);
     }
     let named = Named::new(&mechanism.description, options.naming);

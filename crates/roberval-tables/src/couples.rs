@@ -16,7 +16,8 @@ pub(crate) fn lines(mechanism: &Mechanism) -> Vec<String> {
     if mechanism.closure.is_none() {
         return Vec::new();
     }
-    let names: Vec<String> = independent(mechanism).map(label).collect();
+    let independent = independent(mechanism);
+    let names: Vec<String> = independent.map(|l| l.label().to_owned()).collect();
     let couples = &mechanism.description.couples;
     let couples: Vec<String> = couples.iter().map(|c| equation(mechanism, c)).collect();
     let mut lines = vec![format!(
@@ -69,16 +70,15 @@ fn independent(mechanism: &Mechanism) -> impl Iterator<Item = &Link> {
     joints.filter(|link| link.joint.has_axis())
 }
 
-fn label(link: &Link) -> String {
-    link.joint_name.as_ref().unwrap_or(&link.name).clone()
-}
-
 /// `q(2) = q(3) - 1/2 q(4) + 3*pi`, as written.
 fn equation(mechanism: &Mechanism, couple: &Couple) -> String {
     let name = |name: &str| {
         let link = mechanism.links.iter().find(|link| link.name == name);
-        format!("q({})", link.map_or(name.to_owned(), label))
+        format!("q({})", link.map_or(name, Link::label))
     };
+    if let Some(expression) = &couple.expression {
+        return format!("{} = {}", name(&couple.joint), expression.text);
+    }
     let mut sum = String::new();
     for term in &couple.terms {
         let joint = name(&term.joint);

@@ -115,19 +115,17 @@ fn grade(grade: &Grade) -> Value {
 pub(crate) fn csv(mechanism: &Mechanism, scaling: &Scaling) -> String {
     let (samples, dof) = (&scaling.samples, mechanism.independent());
     let arrays = [
-        ("q", &samples.q, mechanism.positions()),
-        ("qd", &samples.qd, dof),
-        ("qdd", &samples.qdd, dof),
+        (&samples.q, mechanism.positions()),
+        (&samples.qd, dof),
+        (&samples.qdd, dof),
     ];
-    let titles = arrays
-        .iter()
-        .flat_map(|(name, _, width)| (1..=*width).map(move |j| format!("{name}_{j}")));
     let rows = (0..samples.count).map(|i| {
         arrays
             .iter()
-            .flat_map(|(_, array, width)| array[i * width..(i + 1) * width].to_vec())
+            .flat_map(|(array, width)| array[i * width..(i + 1) * width].to_vec())
             .map(exact)
             .collect()
     });
-    csv_text(std::iter::once(titles.collect()).chain(rows))
+    let titles = mechanism.state_titles().concat();
+    csv_text(std::iter::once(titles).chain(rows))
 }

@@ -65,8 +65,10 @@ pub enum ExactError {
     /// Loops without configurations to sample.
     #[error(transparent)]
     Samples(#[from] SampleError),
-    /// Loops that are given implicitly.
-    #[error("loops given by their cut joints are not decided exactly: use the engine \"precise\"")]
+    /// Loops that are given implicitly, and couples by expressions.
+    #[error(
+        "loops given by their cut joints and couples by expressions are not decided exactly: use the engine \"precise\""
+    )]
     Loops,
     /// Fields disagree again and again.
     #[error("prime fields disagree about the rank ({ranks:?}): please report this robot")]
@@ -87,7 +89,7 @@ pub fn decide_exactly(
     order: &[usize],
     seed: u64,
 ) -> Result<ExactDecision, ExactError> {
-    if mechanism.assembly.is_some() {
+    if !mechanism.is_affine() {
         return Err(ExactError::Loops);
     }
     let angles = AngleOrder::of(mechanism);
@@ -137,7 +139,7 @@ pub fn choose_exactly(
     order: &[usize],
     seed: u64,
 ) -> Result<Vec<usize>, ExactError> {
-    if mechanism.assembly.is_some() {
+    if !mechanism.is_affine() {
         return Err(ExactError::Loops);
     }
     let angles = AngleOrder::of(mechanism);

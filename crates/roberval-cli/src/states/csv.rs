@@ -92,10 +92,11 @@ fn columns(
             ));
         }
     }
+    let titles = mechanism.state_titles();
     let mut missing = Vec::new();
     for (array, needed) in needed(model).into_iter().enumerate() {
         let absent = (0..widths[array]).filter(|&j| needed && columns[array][j].is_none());
-        missing.extend(absent.map(|j| format!("{}_{}", ARRAYS[array], j + 1)));
+        missing.extend(absent.map(|j| titles[array][j].clone()));
         if !needed {
             columns[array].fill(None);
         }
@@ -122,18 +123,23 @@ fn lacking(
     } else {
         ""
     };
+    let [q, qd, qdd] = mechanism.state_titles();
+    let range = |titles: &[String]| match titles {
+        [first, .., last] => format!("{first} .. {last}"),
+        titles => titles.concat(),
+    };
+    let columns = match mechanism.is_floating() {
+        true => format!("{}, {} and {}", range(&q), range(&qd), range(&qdd)),
+        false => format!(
+            "{} (also qd_, qdd_), with the joint's number, its name or its link's name",
+            range(&q)
+        ),
+    };
     format!(
-        "model {} needs a column for every {}, and there is no {}{hint}; columns are q_1 .. \
-         q_{}{}, with the joint's number, its name or its link's name",
+        "model {} needs a column for every {}, and there is no {}{hint}; columns are {columns}",
         model.name(),
         coordinates(mechanism),
         some(missing),
-        mechanism.positions(),
-        if mechanism.is_floating() {
-            format!(", qd_1 .. qd_{0} and qdd_1 .. qdd_{0}", mechanism.dof())
-        } else {
-            " (also qd_, qdd_)".to_owned()
-        },
     )
 }
 

@@ -167,6 +167,10 @@ fn couple(text: &mut String, couple: &Couple) {
     let terms: Vec<String> = couple.terms.iter().map(term).collect();
     text.push_str("\n[[couple]]\n");
     line(text, "joint", &string(&couple.joint));
+    if let Some(expression) = &couple.expression {
+        line(text, "expression", &string(&expression.text));
+        return;
+    }
     line(text, "equals", &format!("{{ {} }}", terms.join(", ")));
     line(text, "offset", &number(&couple.offset));
 }

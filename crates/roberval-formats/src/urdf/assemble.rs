@@ -158,6 +158,7 @@ fn couples(links: &[Link], joints: &[Joint], tree: &Tree) -> Vec<Couple> {
                 multiplier: mimic.multiplier.clone(),
             }],
             offset: mimic.offset.clone(),
+            expression: None,
         })
     };
     tree.order.iter().filter_map(couple).collect()

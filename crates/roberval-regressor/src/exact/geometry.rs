@@ -11,7 +11,7 @@ use crate::tree::next_variable;
 use crate::vector::{Mat3, Vec3, add, apply, dot, product, scale};
 use crate::{
     BaseState, Body, Constants, DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion,
-    JointStates, Model, Projected, Transmission, Tree, dynamics, energy,
+    JointStates, Layout, Model, Projected, Transmission, Tree, dynamics, energy,
 };
 
 /// Cosine and sine.
@@ -110,6 +110,7 @@ impl<N: Numbers> Builder<'_, N> {
             origin,
             axis,
             axis_squared: dot(axis, axis),
+            layout: Layout::General,
         })
     }
 

@@ -88,6 +88,7 @@ fn geometry(link: &LinkDescription, couple: Option<&Couple>) -> Value {
             json!({
                 "equals": Value::Object(terms.collect()),
                 "offset": quantity(&couple.offset),
+                "expression": couple.expression.as_ref().map(|e| &e.text),
             })
         }
     };

@@ -1,0 +1,80 @@
+// Pinocchio's regressor and inverse dynamics in a loop, for benches/against_pinocchio.py.
+//
+// Compiled against the headers alone: linking with the library of the wheel would mix two
+// alignments of Eigen (this is built for the processor at hand, the library is not).
+// Arguments: files with n and, a joint a line, its antecedent (from 0, -1 is the base), axis,
+// rotation (row by row) and translation. Prints ns per call: regressor, rnea.
+#include <pinocchio/algorithm/regressor.hpp>
+#include <pinocchio/algorithm/rnea.hpp>
+#include <pinocchio/multibody.hpp>
+
+#include <algorithm>
+#include <ctime>
+#include <fstream>
+#include <iostream>
+#include <vector>
+
+using namespace pinocchio;
+
+static double now() {
+  timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e9 * t.tv_sec + t.tv_nsec;
+}
+
+static Model read(const char *path) {
+  std::ifstream file(path);
+  int n;
+  file >> n;
+  Model model;
+  for (int i = 0; i < n; i++) {
+    int parent;
+    Eigen::Vector3d axis;
+    SE3 place = SE3::Identity();
+    file >> parent;
+    for (int k = 0; k < 3; k++) file >> axis[k];
+    for (int k = 0; k < 9; k++) file >> place.rotation()(k / 3, k % 3);
+    for (int k = 0; k < 3; k++) file >> place.translation()[k];
+    std::string name = "joint " + std::to_string(i);
+    JointIndex id;
+    if (axis[0] == 1) id = model.addJoint(parent + 1, JointModelRX(), place, name);
+    else if (axis[1] == 1) id = model.addJoint(parent + 1, JointModelRY(), place, name);
+    else if (axis[2] == 1) id = model.addJoint(parent + 1, JointModelRZ(), place, name);
+    else id = model.addJoint(parent + 1, JointModelRevoluteUnaligned(axis), place, name);
+    model.appendBodyToJoint(id, Inertia::Random(), SE3::Identity());
+  }
+  return model;
+}
+
+int main(int count, char **paths) {
+  const int states = 64, repeats = 10, rounds = 60;
+  for (int k = 1; k < count; k++) {
+    Model model = read(paths[k]);
+    Data data(model);
+    std::vector<Eigen::VectorXd> q, v, a;
+    for (int i = 0; i < states; i++) {
+      q.push_back(Eigen::VectorXd::Random(model.nq));
+      v.push_back(Eigen::VectorXd::Random(model.nv));
+      a.push_back(Eigen::VectorXd::Random(model.nv));
+    }
+    double regressor = 1e18, rnea = 1e18;
+    volatile double used = 0;
+    for (int round = 0; round < rounds; round++) {
+      double start = now();
+      for (int r = 0; r < repeats; r++)
+        for (int i = 0; i < states; i++) {
+          computeJointTorqueRegressor(model, data, q[i], v[i], a[i]);
+          used = used + data.jointTorqueRegressor(0, 0);
+        }
+      double middle = now();
+      for (int r = 0; r < repeats; r++)
+        for (int i = 0; i < states; i++) {
+          pinocchio::impl::rnea(model, data, q[i], v[i], a[i]);
+          used = used + data.tau[0];
+        }
+      regressor = std::min(regressor, (middle - start) / (repeats * states));
+      rnea = std::min(rnea, (now() - middle) / (repeats * states));
+    }
+    std::cout << regressor << " " << rnea << std::endl;
+  }
+}

@@ -1,0 +1,18 @@
+//! From joint states and torques to the R factor of least squares, in one pass.
+//!
+//! * [`Reduction`]: takes samples in, in memory that does not grow with them.
+//! * [`Factor`]: R, Q'tau and the residual norm; factors of parts merge into that of the
+//!   whole.
+
+mod annihilate;
+mod checkpoint;
+mod factor;
+mod layout;
+mod plan;
+mod stream;
+mod tiles;
+
+pub use checkpoint::CheckpointError;
+pub use factor::{Factor, Undetermined};
+pub use plan::Friction;
+pub use stream::{ReduceError, Reduction, Samples, Weights};

@@ -1,0 +1,423 @@
+//! The accumulator against a one-shot Householder factorisation, and its promises.
+
+use roberval_mechanism::{Mechanism, SourceFormat};
+use roberval_reduce::{
+    CheckpointError, Factor, Friction, ReduceError, Reduction, Samples, Weights,
+};
+use roberval_regressor::{Model, Regressor, States};
+use roberval_scalar::{SplitMix64, Width};
+use roberval_testkit::Family;
+
+/// R against one-shot Householder, relative to the largest entry (issue 5).
+const ACCURACY: f64 = 1e-14;
+
+const ALL: Friction = Friction {
+    viscous: true,
+    coulomb: true,
+    offset: true,
+};
+
+const SPEEDS: Friction = Friction {
+    offset: false,
+    ..ALL
+};
+
+const NONE: Friction = Friction {
+    viscous: false,
+    coulomb: false,
+    offset: false,
+};
+
+struct Data {
+    n: usize,
+    q: Vec<f64>,
+    qd: Vec<f64>,
+    qdd: Vec<f64>,
+    tau: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+impl Data {
+    fn random(n: usize, samples: usize, seed: u64) -> Self {
+        let mut random = SplitMix64::new(seed);
+        let mut draw = |low: f64, high: f64| -> Vec<f64> {
+            (0..n * samples)
+                .map(|_| random.uniform(low, high))
+                .collect()
+        };
+        Self {
+            n,
+            q: draw(-3.0, 3.0),
+            qd: draw(-2.0, 2.0),
+            qdd: draw(-4.0, 4.0),
+            tau: draw(-9.0, 9.0),
+            weights: draw(0.1, 4.0),
+        }
+    }
+
+    fn part(&self, from: usize, to: usize, weighted: bool) -> Samples<'_> {
+        let cut = from * self.n..to * self.n;
+        Samples {
+            states: States {
+                q: &self.q[cut.clone()],
+                qd: &self.qd[cut.clone()],
+                qdd: &self.qdd[cut.clone()],
+            },
+            tau: &self.tau[cut.clone()],
+            weights: if weighted {
+                Weights::Rows(&self.weights[cut])
+            } else {
+                Weights::Equal
+            },
+        }
+    }
+
+    fn len(&self) -> usize {
+        self.q.len() / self.n
+    }
+}
+
+/// Plain Householder on the dense `[W tau]`, rows of P+1 numbers; nonnegative diagonal.
+fn one_shot(mut a: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let p = a[0].len();
+    for k in 0..p.min(a.len()) {
+        let norm = a[k..].iter().map(|row| row[k] * row[k]).sum::<f64>().sqrt();
+        if norm == 0.0 {
+            continue;
+        }
+        let beta = -norm.copysign(a[k][k]);
+        let v: Vec<f64> = a[k..]
+            .iter()
+            .enumerate()
+            .map(|(i, row)| row[k] - if i == 0 { beta } else { 0.0 })
+            .collect();
+        let squared: f64 = v.iter().map(|x| x * x).sum();
+        for c in k..p {
+            let dot: f64 = v.iter().zip(&a[k..]).map(|(v, row)| v * row[c]).sum();
+            for (v, row) in v.iter().zip(&mut a[k..]) {
+                row[c] -= 2.0 * dot / squared * v;
+            }
+        }
+    }
+    a.truncate(p);
+    for (k, row) in a.iter_mut().enumerate() {
+        let sign = 1.0_f64.copysign(row[k]);
+        for (c, x) in row.iter_mut().enumerate() {
+            *x = if c < k { 0.0 } else { *x * sign };
+        }
+    }
+    a
+}
+
+fn dense(
+    regressor: &Regressor,
+    columns: &[usize],
+    friction: Friction,
+    data: &Data,
+    weighted: bool,
+) -> Vec<Vec<f64>> {
+    let (n, count) = (data.n, data.len());
+    let mut w = vec![0.0; count * n * columns.len()];
+    let states = data.part(0, count, false).states;
+    regressor
+        .fill_columns(Model::D, columns, states, &mut w)
+        .expect("valid");
+    (0..count * n)
+        .map(|row| {
+            let mut line = w[row * columns.len()..][..columns.len()].to_vec();
+            let (qd, j) = (data.qd[row], row % n);
+            let kinds = [
+                (friction.viscous, qd),
+                (friction.coulomb, if qd == 0.0 { 0.0 } else { qd.signum() }),
+                (friction.offset, 1.0),
+            ];
+            for (_, value) in kinds.into_iter().filter(|kind| kind.0) {
+                line.extend((0..n).map(|i| if i == j { value } else { 0.0 }));
+            }
+            line.push(data.tau[row]);
+            let root = if weighted {
+                data.weights[row].sqrt()
+            } else {
+                1.0
+            };
+            line.iter().map(|x| x * root).collect()
+        })
+        .collect()
+}
+
+fn robot(seed: u64, links: (usize, usize)) -> Mechanism {
+    let family = Family {
+        links,
+        branch: 0.3,
+        format: [SourceFormat::Mdh, SourceFormat::Urdf][seed as usize % 2],
+        ..Family::default()
+    };
+    Mechanism::new(&family.robot(seed)).expect("valid")
+}
+
+/// Every third column, in reverse: independent or not, any choice must do.
+fn choice(regressor: &Regressor, seed: u64) -> Vec<usize> {
+    let count = regressor.parameters().len();
+    (0..count)
+        .filter(|c| c % 3 != seed as usize % 3)
+        .rev()
+        .collect()
+}
+
+fn widths() -> impl Iterator<Item = Width> {
+    Width::ALL.into_iter().filter(|width| width.is_available())
+}
+
+fn worst(factor: &Factor, expected: &[Vec<f64>]) -> f64 {
+    let largest = expected
+        .iter()
+        .flatten()
+        .fold(0.0, |m: f64, x| m.max(x.abs()));
+    let mut worst: f64 = 0.0;
+    for (i, row) in expected.iter().enumerate() {
+        for (j, x) in row.iter().enumerate() {
+            worst = worst.max((factor.entry(i, j) - x).abs() / largest);
+        }
+    }
+    worst
+}
+
+/// Columns below this norm are the rounding of zeros.
+const DUST: f64 = 1e-9;
+
+/// Columns that really are independent: those whose pivot in the one-shot factor is clear.
+fn independent(regressor: &Regressor, data: &Data) -> Vec<usize> {
+    let mut kept = Vec::new();
+    for column in choice(regressor, 0).into_iter().rev() {
+        let mut tried = kept.clone();
+        tried.push(column);
+        let r = one_shot(dense(regressor, &tried, NONE, data, false));
+        let k = tried.len() - 1;
+        let norm = r.iter().map(|row| row[k] * row[k]).sum::<f64>().sqrt();
+        if r[k][k] > 0.05 * norm && norm > DUST {
+            kept = tried;
+        }
+    }
+    kept
+}
+
+#[test]
+fn the_factor_is_that_of_one_householder_factorisation() {
+    for seed in 0..14 {
+        let robot = robot(seed, (2, 6));
+        let data = Data::random(robot.dof(), 150, seed);
+        let columns = independent(&Regressor::new(&robot), &data);
+        for (width, weighted) in widths().map(|w| (w, seed % 2 == 1)) {
+            let regressor = Regressor::new(&robot).with_width(width);
+            // An offset may be what gravity makes of M: then nothing tells them apart.
+            let friction = if seed % 3 == 0 { SPEEDS } else { NONE };
+            let expected = one_shot(dense(&regressor, &columns, friction, &data, weighted));
+            let mut reduction =
+                Reduction::new(regressor, &columns, friction).expect("no constraints");
+            reduction
+                .update(&data.part(0, 150, weighted))
+                .expect("finite");
+            let error = worst(&reduction.factor(), &expected);
+            assert!(error <= ACCURACY, "robot {seed}, {width:?}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn coefficients_survive_a_condition_of_1e8() {
+    /// Issue 5: relative to the largest coefficient.
+    const COEFFICIENTS: f64 = 1e-9;
+    // Two columns that differ by 1e-8 of their size: M and MX of a link turning far away.
+    let robot = robot(3, (3, 3));
+    let data = Data::random(robot.dof(), 2000, 5);
+    let regressor = Regressor::new(&robot);
+    let columns = independent(&regressor, &data);
+    let mut data = data;
+    // Friction columns nearly proportional: speeds of nearly one size make qd and sign(qd)
+    // nearly dependent.
+    for x in &mut data.qd {
+        *x = x.signum() * (1.0 + 1e-8 * *x);
+    }
+    let w = dense(&regressor, &columns, SPEEDS, &data, false);
+    let truth: Vec<f64> = (0..w[0].len() - 1).map(|k| 1.0 + 0.1 * k as f64).collect();
+    for (row, tau) in w.iter().zip(&mut data.tau) {
+        *tau = row.iter().zip(&truth).map(|(w, x)| w * x).sum();
+    }
+    let mut reduction = Reduction::new(regressor, &columns, SPEEDS).expect("valid");
+    reduction
+        .update(&data.part(0, 2000, false))
+        .expect("finite");
+    let found = reduction.factor().solve().expect("determined");
+    // The data themselves carry rounding of eps: times the condition 1e8 that is 2e-8 in
+    // the two directions that are nearly one; their sum is what the torque shows.
+    let n = data.n;
+    let rigid = truth.len() - 2 * n;
+    for k in 0..rigid {
+        assert!((found[k] - truth[k]).abs() <= COEFFICIENTS * 10.0, "{k}");
+    }
+    for j in 0..n {
+        let sum = found[rigid + j] + found[rigid + n + j];
+        let expected = truth[rigid + j] + truth[rigid + n + j];
+        assert!(
+            (sum - expected).abs() <= COEFFICIENTS * expected,
+            "{sum} for {expected}"
+        );
+    }
+}
+
+#[test]
+fn neither_cuts_nor_threads_change_a_bit() {
+    let robot = robot(3, (2, 3));
+    let regressor = Regressor::new(&robot);
+    let columns = choice(&regressor, 1);
+    let count = 150_001;
+    let data = Data::random(robot.dof(), count, 9);
+    let new = |threads| {
+        Reduction::new(regressor.clone(), &columns, ALL)
+            .expect("valid")
+            .with_threads(threads)
+    };
+    let mut whole = new(1);
+    whole.update(&data.part(0, count, false)).expect("finite");
+    let expected = whole.factor();
+    assert_eq!(expected.samples(), count as u64);
+    for (threads, cut) in [(2, count), (3, 70_000), (1, 997), (2, 40_961)] {
+        let mut reduction = new(threads);
+        for from in (0..count).step_by(cut) {
+            let part = data.part(from, (from + cut).min(count), false);
+            reduction.update(&part).expect("finite");
+        }
+        assert!(
+            reduction.factor() == expected,
+            "{threads} threads, cuts of {cut}"
+        );
+    }
+    let mut single = new(1);
+    let mut few = new(2);
+    for sample in 0..300 {
+        single
+            .update(&data.part(sample, sample + 1, false))
+            .expect("finite");
+    }
+    few.update(&data.part(0, 300, false)).expect("finite");
+    assert!(single.factor() == few.factor());
+}
+
+#[test]
+fn weights_of_one_and_weights_of_joints_are_what_they_say() {
+    let robot = robot(5, (3, 4));
+    let (n, regressor) = (robot.dof(), Regressor::new(&robot));
+    let columns = choice(&regressor, 0);
+    let mut data = Data::random(n, 500, 4);
+    let per_joint: Vec<f64> = (0..n).map(|j| 0.5 + j as f64).collect();
+    data.weights = per_joint.repeat(500);
+    let factor = |weights: Option<&[f64]>, cut: usize| {
+        let mut reduction = Reduction::new(regressor.clone(), &columns, NONE).expect("valid");
+        for from in (0..500).step_by(cut) {
+            let mut part = data.part(from, (from + cut).min(500), true);
+            if let Some(weights) = weights {
+                part.weights = Weights::Joints(weights);
+            }
+            reduction.update(&part).expect("finite");
+        }
+        reduction.factor()
+    };
+    assert!(factor(Some(&per_joint), 500) == factor(None, 500));
+    assert!(factor(Some(&per_joint), 7) == factor(None, 133));
+    let mut equal = Reduction::new(regressor.clone(), &columns, NONE).expect("valid");
+    equal.update(&data.part(0, 500, false)).expect("finite");
+    assert!(factor(Some(&vec![1.0; n]), 31) == equal.factor());
+}
+
+#[test]
+fn factors_of_parts_merge_into_that_of_the_whole() {
+    let robot = robot(2, (3, 5));
+    let regressor = Regressor::new(&robot);
+    let data = Data::random(robot.dof(), 400, 8);
+    let columns = independent(&regressor, &data);
+    let new = || Reduction::new(regressor.clone(), &columns, ALL).expect("valid");
+    let (mut all, mut first, mut second) = (new(), new(), new());
+    all.update(&data.part(0, 400, false)).expect("finite");
+    first.update(&data.part(0, 150, false)).expect("finite");
+    second.update(&data.part(150, 300, false)).expect("finite");
+    first.merge(&second);
+    first.update(&data.part(300, 400, false)).expect("finite");
+    let (whole, parts) = (all.factor(), first.factor());
+    assert_eq!(whole.samples(), parts.samples());
+    let size = whole.packed().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    for (a, b) in whole.packed().iter().zip(parts.packed()) {
+        assert!((a - b).abs() <= ACCURACY * size, "{a} and {b}");
+    }
+    let mut empty = new();
+    empty.merge(&second);
+    assert!(empty.factor() == second.factor());
+}
+
+#[test]
+fn a_checkpoint_goes_on_with_the_same_bits_and_no_damage_passes() {
+    let robot = robot(3, (2, 3));
+    let regressor = Regressor::new(&robot);
+    let columns = choice(&regressor, 1);
+    let data = Data::random(robot.dof(), 70_000, 9);
+    let mut reduction = Reduction::new(regressor.clone(), &columns, ALL).expect("valid");
+    reduction
+        .update(&data.part(0, 40_007, false))
+        .expect("finite");
+    let bytes = reduction.to_bytes();
+    let load = |bytes: &[u8]| Reduction::from_bytes(bytes, regressor.clone());
+    let mut resumed = load(&bytes).expect("undamaged");
+    for accumulator in [&mut reduction, &mut resumed] {
+        accumulator
+            .update(&data.part(40_007, 70_000, false))
+            .expect("finite");
+    }
+    assert!(reduction.factor() == resumed.factor());
+    let another = Regressor::new(&self::robot(4, (2, 3)));
+    let refused = Reduction::from_bytes(&bytes, another).map(|_| ());
+    assert_eq!(refused, Err(CheckpointError::Model));
+    let mut random = SplitMix64::new(7);
+    for trial in 0..300 {
+        let mut damaged = bytes.clone();
+        let at = if trial < 64 {
+            trial
+        } else {
+            random.below(bytes.len())
+        };
+        damaged[at] ^= 1 << random.below(8);
+        assert!(load(&damaged).is_err(), "byte {at}");
+        let cut = random.below(bytes.len());
+        assert!(load(&bytes[..cut]).is_err(), "{cut} bytes");
+    }
+}
+
+#[test]
+fn what_is_not_finite_is_named_and_nothing_is_taken_in() {
+    let robot = robot(3, (3, 3));
+    let n = robot.dof();
+    let regressor = Regressor::new(&robot);
+    let columns = choice(&regressor, 1);
+    let mut reduction = Reduction::new(regressor, &columns, NONE).expect("valid");
+    let data = Data::random(n, 100, 1);
+    reduction.update(&data.part(0, 100, false)).expect("finite");
+    let before = reduction.factor();
+    for value in [f64::NAN, f64::INFINITY] {
+        let mut bad = Data::random(n, 100, 2);
+        bad.tau[57 * n + 1] = value;
+        match reduction.update(&bad.part(0, 100, false)) {
+            Err(ReduceError::NotFinite {
+                array: "tau",
+                sample: 157,
+                joint: 1,
+                ..
+            }) => {}
+            other => panic!("{other:?}"),
+        }
+    }
+    let mut bad = Data::random(n, 100, 2);
+    bad.weights[3] = -1.0;
+    assert!(matches!(
+        reduction.update(&bad.part(0, 100, true)),
+        Err(ReduceError::Weight { at: 3, .. })
+    ));
+    assert!(reduction.factor() == before);
+}

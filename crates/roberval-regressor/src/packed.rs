@@ -1,0 +1,204 @@
+//! The nonzeros of the regressor, packed: what the lanes compute.
+
+use std::ops::Range;
+
+use roberval_mechanism::ParameterSpace;
+use roberval_scalar::Lanes;
+
+use crate::{DynamicsWorkspace, EnergyWorkspace, Model, Sink, Tree, dynamics, energy};
+
+/// Which entry of a sample's rows each packed number is.
+///
+/// Samples come in tiles of as many as there are lanes; a tile is one block of numbers
+/// `[slot][lane]`. The slots are, link by link, on each row of the path from the base to
+/// the link its ten columns XX to M, then its Ia on its own row. Entries without a slot
+/// are zero for every state.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PackedLayout {
+    /// Row and column of each slot.
+    entries: Vec<(usize, usize)>,
+}
+
+impl PackedLayout {
+    pub(crate) fn new(tree: &Tree<f64>, space: &ParameterSpace, model: Model) -> Self {
+        let mut sink = Entries {
+            space,
+            entries: Vec::new(),
+        };
+        let still = vec![crate::JointMotion::prismatic(0.0, 0.0, 0.0); tree.bodies.len()];
+        match model {
+            Model::D | Model::D0 => {
+                dynamics(tree, &still, &mut DynamicsWorkspace::new(tree), &mut sink);
+            }
+            Model::H => energy(tree, &still, &mut EnergyWorkspace::new(tree), &mut sink),
+        }
+        Self {
+            entries: sink.entries,
+        }
+    }
+
+    /// Row and column of each slot.
+    #[must_use]
+    pub fn entries(&self) -> &[(usize, usize)] {
+        &self.entries
+    }
+
+    /// Numbers that N samples take: whole tiles, the last one filled up with samples at
+    /// rest.
+    #[must_use]
+    pub fn len(&self, samples: usize, lanes: usize) -> usize {
+        samples.next_multiple_of(lanes) * self.entries.len()
+    }
+
+    /// Whether there is no slot at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+}
+
+/// Records where the recursion's numbers belong.
+struct Entries<'a> {
+    space: &'a ParameterSpace,
+    entries: Vec<(usize, usize)>,
+}
+
+impl Sink<f64> for Entries<'_> {
+    fn link(&mut self, link: usize, row: usize, _: [f64; 10]) {
+        let first = self.space.first_column(link);
+        self.entries
+            .extend((first..first + 10).map(|column| (row, column)));
+    }
+
+    fn rotor(&mut self, link: usize, row: usize, _: f64) {
+        self.entries.push((row, self.space.first_column(link) + 10));
+    }
+}
+
+/// Writes slot after slot.
+pub(crate) struct Packed<'a> {
+    rest: &'a mut [f64],
+}
+
+impl<'a> Packed<'a> {
+    #[inline(always)]
+    pub(crate) fn new(slots: &'a mut [f64]) -> Self {
+        Self { rest: slots }
+    }
+
+    #[inline(always)]
+    fn next(&mut self, count: usize) -> &mut [f64] {
+        let (next, rest) = std::mem::take(&mut self.rest).split_at_mut(count);
+        self.rest = rest;
+        next
+    }
+}
+
+impl<V: Lanes> Sink<V> for Packed<'_> {
+    #[inline(always)]
+    fn link(&mut self, _: usize, _: usize, columns: [V; 10]) {
+        let slots = self.next(10 * V::COUNT);
+        for (column, slot) in columns.into_iter().zip(slots.chunks_exact_mut(V::COUNT)) {
+            column.store(slot);
+        }
+    }
+
+    #[inline(always)]
+    fn rotor(&mut self, _: usize, _: usize, value: V) {
+        value.store(self.next(V::COUNT));
+    }
+}
+
+/// From packed numbers to rows without gaps, all columns or some.
+#[derive(Debug, Clone)]
+pub(crate) struct Export {
+    /// For each number of a sample's rows, its slot; for zeros the one after the last.
+    sources: Vec<u32>,
+    /// Pieces of `sources` that have a slot, as multiples of 8 numbers; the rest is zero.
+    filled: Vec<Range<usize>>,
+    /// Number of slots.
+    slots: usize,
+}
+
+/// Numbers are exported in blocks of so many.
+const BLOCK: usize = roberval_scalar::MAX_LANES;
+
+impl Export {
+    /// Rows of `width` numbers, column c at `place(c)`.
+    pub(crate) fn new(
+        layout: &PackedLayout,
+        rows: usize,
+        width: usize,
+        place: impl Fn(usize) -> Option<usize>,
+    ) -> Self {
+        let slots = layout.entries.len();
+        let mut sources = vec![slots as u32; rows * width];
+        for (slot, &(row, column)) in layout.entries.iter().enumerate() {
+            if let Some(place) = place(column) {
+                sources[row * width + place] = slot as u32;
+            }
+        }
+        let mut filled: Vec<Range<usize>> = Vec::new();
+        for (k, block) in sources.chunks(BLOCK).enumerate() {
+            if block.iter().all(|&source| source as usize == slots) {
+                continue;
+            }
+            let (first, end) = (k * BLOCK, k * BLOCK + block.len());
+            match filled.last_mut() {
+                Some(range) if range.end == first => range.end = end,
+                _ => filled.push(first..end),
+            }
+        }
+        Self {
+            sources,
+            filled,
+            slots,
+        }
+    }
+
+    /// Numbers of one sample.
+    pub(crate) fn len(&self) -> usize {
+        self.sources.len()
+    }
+
+    /// Number of slots, the zero's not counted.
+    pub(crate) fn slots(&self) -> usize {
+        self.slots
+    }
+
+    /// Writes the samples of a tile, one after the other. `stage` has a zero after its
+    /// slots.
+    #[inline(always)]
+    pub(crate) fn write<V: Lanes>(&self, stage: &[V], out: &mut [f64]) {
+        let length = self.len();
+        let mut done = 0;
+        for range in &self.filled {
+            zero::<V>(out, length, done..range.start);
+            let whole = range.start + (range.len() / V::COUNT) * V::COUNT;
+            for first in (range.start..whole).step_by(V::COUNT) {
+                let sources = &self.sources[first..first + V::COUNT];
+                V::store_transposed(stage, sources, &mut out[first..], length);
+            }
+            for at in whole..range.end {
+                let mut numbers = [0.0; BLOCK];
+                stage[self.sources[at] as usize].store(&mut numbers);
+                for (s, x) in numbers.iter().enumerate().take(V::COUNT) {
+                    out[s * length + at] = *x;
+                }
+            }
+            done = range.end;
+        }
+        zero::<V>(out, length, done..length);
+    }
+}
+
+/// Writes zeros at these places of every sample.
+#[inline(always)]
+fn zero<V: Lanes>(out: &mut [f64], length: usize, range: Range<usize>) {
+    if range.is_empty() {
+        return;
+    }
+    for s in 0..V::COUNT {
+        out[s * length..][range.clone()].fill(0.0);
+    }
+}

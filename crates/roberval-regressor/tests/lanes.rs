@@ -1,0 +1,197 @@
+//! Batches in lanes of every width against the scalar path, over generated robots.
+
+use roberval_mechanism::{Mechanism, SourceFormat};
+use roberval_regressor::{Model, Regressor, RegressorError, States};
+use roberval_scalar::{SplitMix64, Width};
+use roberval_testkit::{Angles, Family};
+
+/// What issue 5 asks, relative to the largest entry.
+const ACCURACY: f64 = 1e-14;
+
+const ROBOTS: u64 = 120;
+
+/// Whole and incomplete tiles of all widths, and one sample alone.
+const SAMPLES: [usize; 5] = [1, 2, 7, 8, 21];
+
+fn robots() -> impl Iterator<Item = Mechanism> {
+    (0..ROBOTS).map(|seed| {
+        let family = Family {
+            format: [SourceFormat::Mdh, SourceFormat::Urdf][seed as usize % 2],
+            angles: [Angles::Right, Angles::Mixed, Angles::Oblique][seed as usize % 3],
+            ..Family::default()
+        };
+        Mechanism::new(&family.robot(seed)).expect("valid")
+    })
+}
+
+fn widths() -> impl Iterator<Item = Width> {
+    let lanes = |width: &Width| width.is_available() && *width > Width::Plain;
+    Width::ALL.into_iter().filter(lanes)
+}
+
+struct Batch {
+    arrays: [Vec<f64>; 3],
+}
+
+impl Batch {
+    fn random(numbers: usize, seed: u64) -> Self {
+        let mut random = SplitMix64::new(seed);
+        Self {
+            arrays: [3.0, 2.0, 4.0]
+                .map(|size| (0..numbers).map(|_| random.uniform(-size, size)).collect()),
+        }
+    }
+
+    fn states(&self) -> States<'_> {
+        let [q, qd, qdd] = &self.arrays;
+        States { q, qd, qdd }
+    }
+}
+
+fn rows(regressor: &Regressor, model: Model, batch: &Batch, samples: usize) -> Vec<f64> {
+    let size = model.rows(regressor.dof()) * regressor.parameters().len();
+    // Zeros must be written too.
+    let mut out = vec![f64::NAN; samples * size];
+    regressor
+        .fill(model, batch.states(), &mut out)
+        .expect("valid");
+    out
+}
+
+fn same(found: &[f64], expected: &[f64]) -> bool {
+    let bits = |x: &f64| x.to_bits();
+    found.iter().map(bits).eq(expected.iter().map(bits))
+}
+
+#[test]
+fn lanes_agree_with_the_scalar_path_and_among_each_other() {
+    for (seed, robot) in robots().enumerate() {
+        let samples = SAMPLES[seed % SAMPLES.len()];
+        let batch = Batch::random(samples * robot.dof(), seed as u64);
+        let plain = Regressor::new(&robot).with_width(Width::Plain);
+        for model in Model::ALL {
+            let expected = rows(&plain, model, &batch, samples);
+            let largest = expected.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            let mut first: Option<Vec<f64>> = None;
+            for width in widths() {
+                let found = rows(&plain.clone().with_width(width), model, &batch, samples);
+                for (found, expected) in found.iter().zip(&expected) {
+                    let error = (found - expected).abs();
+                    assert!(
+                        error <= ACCURACY * largest,
+                        "robot {seed}, {width:?}, {model:?}"
+                    );
+                }
+                let first = first.get_or_insert_with(|| found.clone());
+                assert!(
+                    same(&found, first),
+                    "robot {seed}: bits of {width:?} differ"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn torques_are_the_rows_times_x() {
+    for (seed, robot) in robots().enumerate().take(40) {
+        let samples = SAMPLES[seed % SAMPLES.len()];
+        let batch = Batch::random(samples * robot.dof(), seed as u64);
+        let x = robot.standard_parameters().expect("generated with values");
+        for width in Width::ALL.into_iter().filter(|width| width.is_available()) {
+            let regressor = Regressor::new(&robot).with_width(width);
+            let mut torques = vec![f64::NAN; samples * robot.dof()];
+            regressor
+                .torques(&x, batch.states(), &mut torques)
+                .expect("valid");
+            let rows = rows(&regressor, Model::D, &batch, samples);
+            for (row, torque) in rows.chunks(x.len()).zip(&torques) {
+                let terms = row.iter().zip(&x).map(|(d, x)| d * x);
+                let size: f64 = terms.clone().map(f64::abs).sum();
+                let error = (terms.sum::<f64>() - torque).abs();
+                assert!(error <= ACCURACY * size, "robot {seed}, {width:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sample_has_the_same_bits_alone_and_among_others() {
+    for (seed, robot) in robots().enumerate().take(20) {
+        let (n, samples) = (robot.dof(), 11);
+        let batch = Batch::random(samples * n, seed as u64);
+        let regressor = Regressor::new(&robot);
+        let all = rows(&regressor, Model::D, &batch, samples);
+        for sample in 0..samples {
+            let alone = Batch {
+                arrays: batch.arrays.clone().map(|a| a[sample * n..][..n].to_vec()),
+            };
+            let one = rows(&regressor, Model::D, &alone, 1);
+            assert!(same(&one, &all[sample * one.len()..][..one.len()]));
+        }
+    }
+}
+
+#[test]
+fn chosen_columns_and_packed_tiles_are_those_of_all_columns() {
+    for (seed, robot) in robots().enumerate().take(40) {
+        let samples = SAMPLES[seed % SAMPLES.len()];
+        let batch = Batch::random(samples * robot.dof(), seed as u64);
+        for (width, model) in widths().flat_map(|w| Model::ALL.map(|m| (w, m))) {
+            let regressor = Regressor::new(&robot).with_width(width);
+            let all = rows(&regressor, model, &batch, samples);
+            let columns = regressor.parameters().len();
+            let chosen: Vec<usize> = (0..columns).filter(|c| c % 3 != seed % 3).rev().collect();
+            let mut some = vec![f64::NAN; all.len() / columns * chosen.len()];
+            regressor
+                .fill_columns(model, &chosen, batch.states(), &mut some)
+                .expect("valid");
+            let picked = all
+                .chunks(columns)
+                .flat_map(|row| chosen.iter().map(|&c| row[c]));
+            assert!(same(&some, &picked.collect::<Vec<_>>()), "robot {seed}");
+
+            let layout = regressor.packed_layout(model);
+            let mut packed = vec![f64::NAN; layout.len(samples, regressor.lanes())];
+            regressor
+                .fill_packed(model, batch.states(), &mut packed)
+                .expect("valid");
+            let mut unpacked = vec![0.0; all.len()];
+            let (lanes, rows) = (regressor.lanes(), model.rows(robot.dof()));
+            for (sample, unpacked) in unpacked.chunks_mut(rows * columns).enumerate() {
+                let tile = &packed[sample / lanes * lanes * layout.entries().len()..];
+                for (slot, (row, column)) in layout.entries().iter().enumerate() {
+                    unpacked[row * columns + column] = tile[slot * lanes + sample % lanes];
+                }
+            }
+            assert!(same(&unpacked, &all), "robot {seed}");
+        }
+    }
+}
+
+#[test]
+fn a_state_that_is_not_finite_is_named_wherever_it_stands() {
+    let robot = robots().find(|r| r.dof() == 5).expect("among so many");
+    let regressor = Regressor::new(&robot);
+    for (array, at) in [(0, 0), (1, 52), (2, 99)] {
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut batch = Batch::random(100, 1);
+            batch.arrays[array][at] = value;
+            let mut out = vec![0.0; 20 * 5 * regressor.parameters().len()];
+            let fault = regressor.fill(Model::D, batch.states(), &mut out);
+            let Err(RegressorError::NotFinite {
+                array: name,
+                sample,
+                joint,
+                ..
+            }) = fault
+            else {
+                panic!("{fault:?}");
+            };
+            assert_eq!(
+                (name, sample, joint),
+                (["q", "qd", "qdd"][array], at / 5, at % 5)
+            );
+        }
+    }
+}

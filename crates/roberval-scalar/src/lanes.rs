@@ -1,0 +1,179 @@
+//! Several samples at a time: lanes of floats, chosen by what the processor can do.
+//!
+//! A generic wheel must run anywhere, so the choice is made at run time, here and nowhere
+//! else: [`dispatch`] calls a [`Task`] with the widest [`Lanes`] of this processor. The
+//! lane types have no public name, so that nobody can use an instruction that is not there.
+
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+mod arithmetic;
+#[cfg(target_arch = "aarch64")]
+mod arm;
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+mod fused;
+mod one;
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+mod trigonometry;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+use std::fmt::Debug;
+
+use crate::Lift;
+
+/// The most lanes that any processor has.
+pub const MAX_LANES: usize = 8;
+
+/// Some floats side by side, on which every operation acts lane by lane.
+///
+/// A lane's result does not depend on its neighbours: a sample gives the same bits
+/// whichever lane it is in and however many there are, as long as products and sums are
+/// fused (all but [`Width::Plain`]).
+pub trait Lanes: Lift<f64> + Debug + Send + Sync + 'static {
+    /// How many floats.
+    const COUNT: usize;
+
+    /// How many of them the processor has registers for.
+    const REGISTERS: usize = 16;
+
+    /// The first `COUNT` numbers.
+    fn load(from: &[f64]) -> Self;
+
+    /// Into the first `COUNT` numbers.
+    fn store(self, to: &mut [f64]);
+
+    /// The numbers of lanes that lie side by side.
+    fn numbers(lanes: &mut [Self]) -> &mut [f64];
+
+    /// `self / by`.
+    fn divide(self, by: Self) -> Self;
+
+    /// The square root.
+    fn sqrt(self) -> Self;
+
+    /// `|self|` with the sign of `sign`.
+    fn with_sign_of(self, sign: Self) -> Self;
+
+    /// `self`, but 0 where `test` is 0.
+    fn where_nonzero(self, test: Self) -> Self;
+
+    /// Sine and cosine: within 1 ulp for |x| <= 100, any x; NaN for infinite x.
+    fn sin_cos(self) -> (Self, Self);
+
+    /// Takes `COUNT` rows of `COUNT` numbers, `stride` apart: `to[k]` gets column k, a
+    /// row a lane.
+    fn load_transposed(from: &[f64], stride: usize, to: &mut [Self]) {
+        for (k, to) in to.iter_mut().enumerate().take(Self::COUNT) {
+            let mut column = [0.0; MAX_LANES];
+            for (s, x) in column.iter_mut().enumerate().take(Self::COUNT) {
+                *x = from[s * stride + k];
+            }
+            *to = Self::load(&column);
+        }
+    }
+
+    /// The inverse of [`Lanes::load_transposed`]: column k is `stage[sources[k]]`.
+    fn store_transposed(stage: &[Self], sources: &[u32], to: &mut [f64], stride: usize) {
+        for (k, &source) in sources.iter().enumerate().take(Self::COUNT) {
+            let mut column = [0.0; MAX_LANES];
+            stage[source as usize].store(&mut column);
+            for (s, x) in column.iter().enumerate().take(Self::COUNT) {
+                to[s * stride + k] = *x;
+            }
+        }
+    }
+
+    /// Copies past the cache: for results that are larger than it.
+    fn stream(from: &[f64], to: &mut [f64]) {
+        to.copy_from_slice(from);
+    }
+}
+
+/// Work that is written for any lanes.
+pub trait Task {
+    /// What comes out.
+    type Output;
+
+    /// Does it. Mark this and all that it calls `#[inline(always)]`: what is not inlined
+    /// is compiled without the processor's features.
+    fn run<V: Lanes>(self) -> Self::Output;
+}
+
+/// The lanes that a processor has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Width {
+    /// One float, products and sums rounded apart.
+    Plain,
+    /// One float, fused.
+    One,
+    /// Two floats: NEON.
+    Two,
+    /// Four floats: AVX2.
+    Four,
+    /// Eight floats: AVX-512.
+    Eight,
+}
+
+impl Width {
+    /// All widths, the narrowest first.
+    pub const ALL: [Self; 5] = [Self::Plain, Self::One, Self::Two, Self::Four, Self::Eight];
+
+    /// How many floats.
+    #[must_use]
+    pub fn lanes(self) -> usize {
+        [1, 1, 2, 4, 8][self as usize]
+    }
+
+    /// Whether this processor has it.
+    #[must_use]
+    pub fn is_available(self) -> bool {
+        self == Self::Plain || available(self)
+    }
+
+    /// The widest of this processor.
+    #[must_use]
+    pub fn best() -> Self {
+        let widest = Self::ALL.into_iter().rev().find(|w| w.is_available());
+        widest.unwrap_or(Self::Plain)
+    }
+
+    /// One lane with the arithmetic of [`Width::best`]: for single samples.
+    #[must_use]
+    pub fn narrow() -> Self {
+        if Self::One.is_available() {
+            Self::One
+        } else {
+            Self::Plain
+        }
+    }
+}
+
+/// Does the work with lanes of this width, or with plain floats where this processor does
+/// not have it.
+pub fn dispatch<T: Task>(width: Width, task: T) -> T::Output {
+    #[cfg(target_arch = "x86_64")]
+    return x86::dispatch(width, task);
+    #[cfg(target_arch = "aarch64")]
+    return arm::dispatch(width, task);
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    return task.run::<f64>();
+}
+
+/// Does the work with one lane of the arithmetic of [`Width::best`]: for what is done
+/// rarely, which need not be compiled for every width.
+pub fn dispatch_one<T: Task>(task: T) -> T::Output {
+    #[cfg(target_arch = "x86_64")]
+    return x86::dispatch_one(task);
+    #[cfg(target_arch = "aarch64")]
+    return arm::dispatch_one(task);
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    return task.run::<f64>();
+}
+
+fn available(width: Width) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return x86::available(width);
+    #[cfg(target_arch = "aarch64")]
+    return arm::available(width);
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    return false;
+}

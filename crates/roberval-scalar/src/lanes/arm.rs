@@ -1,0 +1,141 @@
+//! Lanes of 64-bit ARM, whose processors all have NEON and fused arithmetic.
+//!
+//! Unsafe because intrinsics are; what they need is in every such processor.
+#![allow(unsafe_code, unused_unsafe)]
+
+use std::arch::aarch64::*;
+
+use super::arithmetic::arithmetic;
+use super::fused::Fused;
+use super::trigonometry::{self, Quadrants};
+use super::{Lanes, Task, Width};
+use crate::Lift;
+
+pub(super) fn available(width: Width) -> bool {
+    matches!(width, Width::Plain | Width::One | Width::Two)
+}
+
+pub(super) fn dispatch<T: Task>(width: Width, task: T) -> T::Output {
+    match width {
+        Width::Two => task.run::<F64x2>(),
+        Width::One => task.run::<Fused>(),
+        _ => task.run::<f64>(),
+    }
+}
+
+pub(super) fn dispatch_one<T: Task>(task: T) -> T::Output {
+    task.run::<Fused>()
+}
+
+macro_rules! neg2 {
+    ($x:expr) => {
+        vnegq_f64($x)
+    };
+}
+macro_rules! fma2 {
+    ($a:expr, $b:expr, $c:expr) => {
+        vfmaq_f64($c, $a, $b)
+    };
+}
+macro_rules! fnma2 {
+    ($a:expr, $b:expr, $c:expr) => {
+        vfmsq_f64($c, $a, $b)
+    };
+}
+
+arithmetic!(
+    F64x2,
+    float64x2_t,
+    2,
+    vaddq_f64,
+    vsubq_f64,
+    vmulq_f64,
+    neg2,
+    fma2,
+    fnma2,
+    vdupq_n_f64
+);
+
+impl Lanes for F64x2 {
+    const COUNT: usize = 2;
+    const REGISTERS: usize = 32;
+
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        // SAFETY: the slice below is checked to have 2 numbers.
+        Self(unsafe { vld1q_f64(from[..2].as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        // SAFETY: the slice below is checked to have 2 numbers.
+        unsafe { vst1q_f64(to[..2].as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    fn numbers(lanes: &mut [Self]) -> &mut [f64] {
+        let count = lanes.len() * Self::COUNT;
+        // SAFETY: a lane type is COUNT floats and nothing else.
+        unsafe { std::slice::from_raw_parts_mut(lanes.as_mut_ptr().cast(), count) }
+    }
+
+    #[inline(always)]
+    fn divide(self, by: Self) -> Self {
+        // SAFETY: see the module.
+        Self(unsafe { vdivq_f64(self.0, by.0) })
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: see the module.
+        Self(unsafe { vsqrtq_f64(self.0) })
+    }
+
+    #[inline(always)]
+    fn with_sign_of(self, sign: Self) -> Self {
+        // SAFETY: see the module.
+        Self(unsafe { vbslq_f64(vdupq_n_u64(1 << 63), sign.0, self.0) })
+    }
+
+    #[inline(always)]
+    fn where_nonzero(self, test: Self) -> Self {
+        // SAFETY: see the module.
+        Self(unsafe { vbslq_f64(vceqzq_f64(test.0), vdupq_n_f64(0.0), self.0) })
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        trigonometry::sin_cos(self)
+    }
+}
+
+impl Quadrants for F64x2 {
+    #[inline(always)]
+    fn all_within(self, bound: f64) -> bool {
+        // SAFETY: see the module.
+        unsafe {
+            let within = vcleq_f64(vabsq_f64(self.0), vdupq_n_f64(bound));
+            vgetq_lane_u64::<0>(within) & vgetq_lane_u64::<1>(within) == u64::MAX
+        }
+    }
+
+    #[inline(always)]
+    fn turn(rounded: Self, sin: Self, cos: Self) -> (Self, Self) {
+        // SAFETY: see the module.
+        unsafe {
+            let turns = vreinterpretq_u64_f64(rounded.0);
+            let (one, two) = (vdupq_n_u64(1), vdupq_n_u64(2));
+            let odd = vtstq_u64(turns, one);
+            let signed = |x, turns| {
+                let sign = vshlq_n_u64::<62>(vandq_u64(turns, two));
+                Self(vreinterpretq_f64_u64(veorq_u64(
+                    vreinterpretq_u64_f64(x),
+                    sign,
+                )))
+            };
+            let s = vbslq_f64(odd, cos.0, sin.0);
+            let c = vbslq_f64(odd, sin.0, cos.0);
+            (signed(s, turns), signed(c, vaddq_u64(turns, one)))
+        }
+    }
+}

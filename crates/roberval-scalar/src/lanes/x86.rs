@@ -1,0 +1,453 @@
+//! Lanes of x86-64: AVX-512, AVX2, and one fused float.
+//!
+//! Unsafe because the instructions are not on every processor. The types are private and
+//! [`dispatch`] hands them out only after asking the processor; that is the whole proof.
+#![allow(unsafe_code)]
+
+use std::arch::is_x86_feature_detected as has;
+use std::arch::x86_64::*;
+
+use super::arithmetic::arithmetic;
+use super::fused::Fused;
+use super::trigonometry::{self, Quadrants};
+use super::{Lanes, Task, Width};
+use crate::Lift;
+
+pub(super) fn available(width: Width) -> bool {
+    match width {
+        Width::Plain => true,
+        Width::One | Width::Four => has!("avx2") && has!("fma"),
+        Width::Two => false,
+        Width::Eight => {
+            available(Width::Four) && has!("avx512f") && has!("avx512dq") && has!("avx512vl")
+        }
+    }
+}
+
+pub(super) fn dispatch<T: Task>(width: Width, task: T) -> T::Output {
+    match width {
+        _ if !available(width) => task.run::<f64>(),
+        // SAFETY: the processor has the features (previous line).
+        Width::Eight => unsafe { eight(task) },
+        Width::Four => unsafe { four(task) },
+        Width::One => unsafe { one(task) },
+        Width::Plain | Width::Two => task.run::<f64>(),
+    }
+}
+
+pub(super) fn dispatch_one<T: Task>(task: T) -> T::Output {
+    if available(Width::One) {
+        // SAFETY: the processor has the features (previous line).
+        unsafe { one(task) }
+    } else {
+        task.run::<f64>()
+    }
+}
+
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+fn eight<T: Task>(task: T) -> T::Output {
+    task.run::<F64x8>()
+}
+
+#[target_feature(enable = "avx2,fma")]
+fn four<T: Task>(task: T) -> T::Output {
+    task.run::<F64x4>()
+}
+
+#[target_feature(enable = "avx2,fma")]
+fn one<T: Task>(task: T) -> T::Output {
+    task.run::<Fused>()
+}
+
+macro_rules! neg8 {
+    ($x:expr) => {
+        _mm512_xor_pd($x, _mm512_set1_pd(-0.0))
+    };
+}
+macro_rules! fma8 {
+    ($a:expr, $b:expr, $c:expr) => {
+        _mm512_fmadd_pd($a, $b, $c)
+    };
+}
+macro_rules! fnma8 {
+    ($a:expr, $b:expr, $c:expr) => {
+        _mm512_fnmadd_pd($a, $b, $c)
+    };
+}
+
+arithmetic!(
+    F64x8,
+    __m512d,
+    8,
+    _mm512_add_pd,
+    _mm512_sub_pd,
+    _mm512_mul_pd,
+    neg8,
+    fma8,
+    fnma8,
+    _mm512_set1_pd
+);
+
+macro_rules! neg4 {
+    ($x:expr) => {
+        _mm256_xor_pd($x, _mm256_set1_pd(-0.0))
+    };
+}
+macro_rules! fma4 {
+    ($a:expr, $b:expr, $c:expr) => {
+        _mm256_fmadd_pd($a, $b, $c)
+    };
+}
+macro_rules! fnma4 {
+    ($a:expr, $b:expr, $c:expr) => {
+        _mm256_fnmadd_pd($a, $b, $c)
+    };
+}
+
+arithmetic!(
+    F64x4,
+    __m256d,
+    4,
+    _mm256_add_pd,
+    _mm256_sub_pd,
+    _mm256_mul_pd,
+    neg4,
+    fma4,
+    fnma4,
+    _mm256_set1_pd
+);
+
+impl Lanes for F64x8 {
+    const COUNT: usize = 8;
+    const REGISTERS: usize = 32;
+
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        // SAFETY: the slice below is checked to have 8 numbers.
+        Self(unsafe { _mm512_loadu_pd(from[..8].as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        // SAFETY: the slice below is checked to have 8 numbers.
+        unsafe { _mm512_storeu_pd(to[..8].as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    fn numbers(lanes: &mut [Self]) -> &mut [f64] {
+        let count = lanes.len() * Self::COUNT;
+        // SAFETY: a lane type is COUNT floats and nothing else.
+        unsafe { std::slice::from_raw_parts_mut(lanes.as_mut_ptr().cast(), count) }
+    }
+
+    #[inline(always)]
+    fn divide(self, by: Self) -> Self {
+        // SAFETY: see the module.
+        Self(unsafe { _mm512_div_pd(self.0, by.0) })
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: see the module.
+        Self(unsafe { _mm512_sqrt_pd(self.0) })
+    }
+
+    #[inline(always)]
+    fn with_sign_of(self, sign: Self) -> Self {
+        // SAFETY: see the module.
+        unsafe {
+            let mask = _mm512_set1_pd(-0.0);
+            let size = _mm512_andnot_pd(mask, self.0);
+            Self(_mm512_or_pd(size, _mm512_and_pd(mask, sign.0)))
+        }
+    }
+
+    #[inline(always)]
+    fn where_nonzero(self, test: Self) -> Self {
+        // SAFETY: see the module.
+        unsafe {
+            let nonzero = _mm512_cmp_pd_mask::<_CMP_NEQ_UQ>(test.0, _mm512_setzero_pd());
+            Self(_mm512_maskz_mov_pd(nonzero, self.0))
+        }
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        trigonometry::sin_cos(self)
+    }
+
+    #[inline(always)]
+    fn load_transposed(from: &[f64], stride: usize, to: &mut [Self]) {
+        assert!(from.len() >= 7 * stride + 8, "8 rows of 8 numbers");
+        let mut rows = [F64x8::lift(0.0); 8];
+        for (s, row) in rows.iter_mut().enumerate() {
+            // SAFETY: row s begins at s * stride and its 8 numbers are there (asserted).
+            *row = Self(unsafe { _mm512_loadu_pd(from.as_ptr().add(s * stride)) });
+        }
+        let to = &mut to[..8];
+        for (to, column) in to.iter_mut().zip(transposed8(rows)) {
+            *to = column;
+        }
+    }
+
+    #[inline(always)]
+    fn store_transposed(stage: &[Self], sources: &[u32], to: &mut [f64], stride: usize) {
+        let mut columns = [F64x8::lift(0.0); 8];
+        for (column, &source) in columns.iter_mut().zip(sources) {
+            *column = stage[source as usize];
+        }
+        assert!(to.len() >= 7 * stride + 8, "8 rows of 8 numbers");
+        for (s, row) in transposed8(columns).into_iter().enumerate() {
+            // SAFETY: row s begins at s * stride and its 8 numbers are there (asserted).
+            unsafe { _mm512_storeu_pd(to.as_mut_ptr().add(s * stride), row.0) }
+        }
+    }
+
+    #[inline(always)]
+    fn stream(from: &[f64], to: &mut [f64]) {
+        let (head, body) = aligned(to, 64);
+        let (from_head, from_body) = from.split_at(head.len());
+        head.copy_from_slice(from_head);
+        let mut lines = body.chunks_exact_mut(8);
+        let mut from_lines = from_body.chunks_exact(8);
+        for (line, from) in lines.by_ref().zip(from_lines.by_ref()) {
+            // SAFETY: `line` begins on a cache line and has 8 numbers.
+            unsafe { _mm512_stream_pd(line.as_mut_ptr(), Self::load(from).0) }
+        }
+        lines
+            .into_remainder()
+            .copy_from_slice(from_lines.remainder());
+        // SAFETY: a fence touches nothing.
+        unsafe { _mm_sfence() }
+    }
+}
+
+/// The transpose of 8 rows.
+#[inline(always)]
+fn transposed8(r: [F64x8; 8]) -> [F64x8; 8] {
+    // SAFETY: see the module.
+    unsafe {
+        let low = |a: F64x8, b: F64x8| _mm512_unpacklo_pd(a.0, b.0);
+        let high = |a: F64x8, b: F64x8| _mm512_unpackhi_pd(a.0, b.0);
+        // Pairs of rows, then of pairs, then of fours: 1 x 2, 2 x 4 and 4 x 8 blocks.
+        let (a0, a1, a2, a3) = (
+            low(r[0], r[1]),
+            high(r[0], r[1]),
+            low(r[2], r[3]),
+            high(r[2], r[3]),
+        );
+        let (a4, a5, a6, a7) = (
+            low(r[4], r[5]),
+            high(r[4], r[5]),
+            low(r[6], r[7]),
+            high(r[6], r[7]),
+        );
+        let even = |a, b| _mm512_shuffle_f64x2::<0b10_00_10_00>(a, b);
+        let odd = |a, b| _mm512_shuffle_f64x2::<0b11_01_11_01>(a, b);
+        let (b0, b1, b2, b3) = (even(a0, a2), even(a1, a3), odd(a0, a2), odd(a1, a3));
+        let (b4, b5, b6, b7) = (even(a4, a6), even(a5, a7), odd(a4, a6), odd(a5, a7));
+        [
+            F64x8(even(b0, b4)),
+            F64x8(even(b1, b5)),
+            F64x8(even(b2, b6)),
+            F64x8(even(b3, b7)),
+            F64x8(odd(b0, b4)),
+            F64x8(odd(b1, b5)),
+            F64x8(odd(b2, b6)),
+            F64x8(odd(b3, b7)),
+        ]
+    }
+}
+
+impl Quadrants for F64x8 {
+    #[inline(always)]
+    fn all_within(self, bound: f64) -> bool {
+        // SAFETY: see the module.
+        unsafe {
+            let size = _mm512_abs_pd(self.0);
+            _mm512_cmp_pd_mask::<_CMP_LE_OQ>(size, _mm512_set1_pd(bound)) == 0xff
+        }
+    }
+
+    #[inline(always)]
+    fn turn(rounded: Self, sin: Self, cos: Self) -> (Self, Self) {
+        // SAFETY: see the module.
+        unsafe {
+            let turns = _mm512_castpd_si512(rounded.0);
+            let odd = _mm512_test_epi64_mask(turns, _mm512_set1_epi64(1));
+            let two = _mm512_set1_epi64(2);
+            let one = _mm512_set1_epi64(1);
+            let sign = |turns| {
+                let half = _mm512_and_si512(turns, two);
+                _mm512_castsi512_pd(_mm512_slli_epi64::<62>(half))
+            };
+            let s = _mm512_mask_blend_pd(odd, sin.0, cos.0);
+            let c = _mm512_mask_blend_pd(odd, cos.0, sin.0);
+            (
+                Self(_mm512_xor_pd(s, sign(turns))),
+                Self(_mm512_xor_pd(c, sign(_mm512_add_epi64(turns, one)))),
+            )
+        }
+    }
+}
+
+impl Lanes for F64x4 {
+    const COUNT: usize = 4;
+
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        // SAFETY: the slice below is checked to have 4 numbers.
+        Self(unsafe { _mm256_loadu_pd(from[..4].as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        // SAFETY: the slice below is checked to have 4 numbers.
+        unsafe { _mm256_storeu_pd(to[..4].as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    fn numbers(lanes: &mut [Self]) -> &mut [f64] {
+        let count = lanes.len() * Self::COUNT;
+        // SAFETY: a lane type is COUNT floats and nothing else.
+        unsafe { std::slice::from_raw_parts_mut(lanes.as_mut_ptr().cast(), count) }
+    }
+
+    #[inline(always)]
+    fn divide(self, by: Self) -> Self {
+        // SAFETY: see the module.
+        Self(unsafe { _mm256_div_pd(self.0, by.0) })
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: see the module.
+        Self(unsafe { _mm256_sqrt_pd(self.0) })
+    }
+
+    #[inline(always)]
+    fn with_sign_of(self, sign: Self) -> Self {
+        // SAFETY: see the module.
+        unsafe {
+            let mask = _mm256_set1_pd(-0.0);
+            let size = _mm256_andnot_pd(mask, self.0);
+            Self(_mm256_or_pd(size, _mm256_and_pd(mask, sign.0)))
+        }
+    }
+
+    #[inline(always)]
+    fn where_nonzero(self, test: Self) -> Self {
+        // SAFETY: see the module.
+        unsafe {
+            let nonzero = _mm256_cmp_pd::<_CMP_NEQ_UQ>(test.0, _mm256_setzero_pd());
+            Self(_mm256_and_pd(nonzero, self.0))
+        }
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        trigonometry::sin_cos(self)
+    }
+
+    #[inline(always)]
+    fn load_transposed(from: &[f64], stride: usize, to: &mut [Self]) {
+        assert!(from.len() >= 3 * stride + 4, "4 rows of 4 numbers");
+        let mut rows = [F64x4::lift(0.0); 4];
+        for (s, row) in rows.iter_mut().enumerate() {
+            // SAFETY: row s begins at s * stride and its 4 numbers are there (asserted).
+            *row = Self(unsafe { _mm256_loadu_pd(from.as_ptr().add(s * stride)) });
+        }
+        let to = &mut to[..4];
+        for (to, column) in to.iter_mut().zip(transposed4(rows)) {
+            *to = column;
+        }
+    }
+
+    #[inline(always)]
+    fn store_transposed(stage: &[Self], sources: &[u32], to: &mut [f64], stride: usize) {
+        let mut columns = [F64x4::lift(0.0); 4];
+        for (column, &source) in columns.iter_mut().zip(sources) {
+            *column = stage[source as usize];
+        }
+        assert!(to.len() >= 3 * stride + 4, "4 rows of 4 numbers");
+        for (s, row) in transposed4(columns).into_iter().enumerate() {
+            // SAFETY: row s begins at s * stride and its 4 numbers are there (asserted).
+            unsafe { _mm256_storeu_pd(to.as_mut_ptr().add(s * stride), row.0) }
+        }
+    }
+
+    #[inline(always)]
+    fn stream(from: &[f64], to: &mut [f64]) {
+        let (head, body) = aligned(to, 32);
+        let (from_head, from_body) = from.split_at(head.len());
+        head.copy_from_slice(from_head);
+        let mut lines = body.chunks_exact_mut(4);
+        let mut from_lines = from_body.chunks_exact(4);
+        for (line, from) in lines.by_ref().zip(from_lines.by_ref()) {
+            // SAFETY: `line` is aligned to 32 bytes and has 4 numbers.
+            unsafe { _mm256_stream_pd(line.as_mut_ptr(), Self::load(from).0) }
+        }
+        lines
+            .into_remainder()
+            .copy_from_slice(from_lines.remainder());
+        // SAFETY: a fence touches nothing.
+        unsafe { _mm_sfence() }
+    }
+}
+
+/// The transpose of 4 rows.
+#[inline(always)]
+fn transposed4(r: [F64x4; 4]) -> [F64x4; 4] {
+    // SAFETY: see the module.
+    unsafe {
+        let a0 = _mm256_unpacklo_pd(r[0].0, r[1].0);
+        let a1 = _mm256_unpackhi_pd(r[0].0, r[1].0);
+        let a2 = _mm256_unpacklo_pd(r[2].0, r[3].0);
+        let a3 = _mm256_unpackhi_pd(r[2].0, r[3].0);
+        [
+            F64x4(_mm256_permute2f128_pd::<0x20>(a0, a2)),
+            F64x4(_mm256_permute2f128_pd::<0x20>(a1, a3)),
+            F64x4(_mm256_permute2f128_pd::<0x31>(a0, a2)),
+            F64x4(_mm256_permute2f128_pd::<0x31>(a1, a3)),
+        ]
+    }
+}
+
+impl Quadrants for F64x4 {
+    #[inline(always)]
+    fn all_within(self, bound: f64) -> bool {
+        // SAFETY: see the module.
+        unsafe {
+            let size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0);
+            let within = _mm256_cmp_pd::<_CMP_LE_OQ>(size, _mm256_set1_pd(bound));
+            _mm256_movemask_pd(within) == 0xf
+        }
+    }
+
+    #[inline(always)]
+    fn turn(rounded: Self, sin: Self, cos: Self) -> (Self, Self) {
+        // SAFETY: see the module.
+        unsafe {
+            let turns = _mm256_castpd_si256(rounded.0);
+            let (one, two) = (_mm256_set1_epi64x(1), _mm256_set1_epi64x(2));
+            // A blend looks at the sign bit alone.
+            let odd = _mm256_castsi256_pd(_mm256_slli_epi64::<63>(turns));
+            let sign = |turns| {
+                let half = _mm256_and_si256(turns, two);
+                _mm256_castsi256_pd(_mm256_slli_epi64::<62>(half))
+            };
+            let s = _mm256_blendv_pd(sin.0, cos.0, odd);
+            let c = _mm256_blendv_pd(cos.0, sin.0, odd);
+            (
+                Self(_mm256_xor_pd(s, sign(turns))),
+                Self(_mm256_xor_pd(c, sign(_mm256_add_epi64(turns, one)))),
+            )
+        }
+    }
+}
+
+/// The numbers before the first multiple of `alignment` bytes, and the others.
+fn aligned(to: &mut [f64], alignment: usize) -> (&mut [f64], &mut [f64]) {
+    let before = to.as_ptr().align_offset(alignment).min(to.len());
+    to.split_at_mut(before)
+}

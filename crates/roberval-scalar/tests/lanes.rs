@@ -1,0 +1,186 @@
+//! Lanes of every width that this processor has, against exact references.
+
+use std::f64::consts::FRAC_PI_2;
+
+use num_rational::BigRational;
+use num_traits::Zero;
+use roberval_scalar::{DoubleDouble, Lanes, LinearInPi, SplitMix64, Task, Width, dispatch};
+
+/// The bound that the documentation of `Lanes::sin_cos` states.
+const ULPS: f64 = 1.0;
+
+const RANDOM_ANGLES: usize = 20_000;
+
+fn widths() -> impl Iterator<Item = Width> {
+    Width::ALL.into_iter().filter(|width| width.is_available())
+}
+
+/// Sines and cosines of as many numbers as divide by all widths.
+struct SinCos<'a>(&'a [f64]);
+
+impl Task for SinCos<'_> {
+    type Output = Vec<(f64, f64)>;
+
+    #[inline(always)]
+    fn run<V: Lanes>(self) -> Self::Output {
+        let mut out = Vec::new();
+        for x in self.0.chunks_exact(V::COUNT) {
+            let (sin, cos) = V::load(x).sin_cos();
+            let (mut sines, mut cosines) = ([0.0; 8], [0.0; 8]);
+            sin.store(&mut sines);
+            cos.store(&mut cosines);
+            out.extend((0..V::COUNT).map(|lane| (sines[lane], cosines[lane])));
+        }
+        out
+    }
+}
+
+fn exact(x: f64) -> [DoubleDouble; 2] {
+    let angle = LinearInPi {
+        rational: BigRational::from_float(x).expect("finite"),
+        half_turns: BigRational::zero(),
+    };
+    let (cos, sin) = DoubleDouble::cos_sin(&angle);
+    [sin, cos]
+}
+
+fn ulps(found: f64, expected: DoubleDouble) -> f64 {
+    let nearest = expected.to_f64().abs();
+    let ulp = f64::from_bits(nearest.to_bits() + 1) - nearest;
+    ((DoubleDouble::from(found) - expected).to_f64() / ulp).abs()
+}
+
+#[test]
+fn sines_and_cosines_are_within_an_ulp_up_to_100() {
+    let mut random = SplitMix64::new(1);
+    let mut angles: Vec<f64> = (0..RANDOM_ANGLES)
+        .map(|_| random.uniform(-100.0, 100.0))
+        .collect();
+    // The nearest doubles to multiples of a right angle, and small angles.
+    angles.extend((-64..64).map(|k| f64::from(k) * FRAC_PI_2));
+    angles.extend((0..64).map(|k| 0.3 * 0.5_f64.powi(k)));
+    let expected: Vec<_> = angles.iter().map(|&x| exact(x)).collect();
+    for width in widths() {
+        let found = dispatch(width, SinCos(&angles));
+        assert_eq!(found.len(), angles.len());
+        let mut worst: f64 = 0.0;
+        for ((x, found), expected) in angles.iter().zip(&found).zip(&expected) {
+            for (found, expected) in [(found.0, expected[0]), (found.1, expected[1])] {
+                let error = ulps(found, expected);
+                assert!(error <= ULPS, "{width:?} at {x}: {error} ulp");
+                worst = worst.max(error);
+            }
+        }
+        println!("{width:?}: {worst} ulp");
+    }
+}
+
+#[test]
+fn any_angle_is_handled_and_leaves_its_neighbours_alone() {
+    let angles = [
+        1.0,
+        1e300,
+        -0.0,
+        f64::INFINITY,
+        2e5,
+        f64::NAN,
+        99_999.9,
+        -3.0,
+    ];
+    for width in widths() {
+        let found = dispatch(width, SinCos(&angles));
+        for (lane, (x, found)) in angles.iter().zip(&found).enumerate() {
+            let alone = dispatch(width, SinCos(&[*x; 8]))[lane % width.lanes()];
+            let bits = |(s, c): (f64, f64)| (s.to_bits(), c.to_bits());
+            assert_eq!(bits(*found), bits(alone), "{width:?} at {x}");
+            assert_eq!(found.0.is_nan(), !x.is_finite(), "{width:?} at {x}");
+            if x.abs() > 1e5 && x.is_finite() {
+                assert_eq!(*found, x.sin_cos(), "{width:?} at {x}");
+            }
+        }
+    }
+}
+
+#[test]
+fn fused_lanes_of_all_widths_give_the_same_bits() {
+    let mut random = SplitMix64::new(2);
+    let angles: Vec<f64> = (0..800).map(|_| random.uniform(-9.0, 9.0)).collect();
+    let fused: Vec<_> = widths()
+        .filter(|width| *width != Width::Plain)
+        .map(|width| dispatch(width, SinCos(&angles)))
+        .collect();
+    assert!(fused.windows(2).all(|pair| pair[0] == pair[1]));
+}
+
+/// Takes an 8 x 8 table apart in blocks and puts its transpose together.
+struct Transpose<'a>(&'a [f64]);
+
+impl Task for Transpose<'_> {
+    type Output = Vec<f64>;
+
+    #[inline(always)]
+    fn run<V: Lanes>(self) -> Self::Output {
+        let mut out = vec![0.0; 64];
+        let sources: Vec<u32> = (0..8).collect();
+        for i in (0..8).step_by(V::COUNT) {
+            for j in (0..8).step_by(V::COUNT) {
+                let mut block = vec![V::lift(0.0); 8];
+                V::load_transposed(&self.0[8 * i + j..], 8, &mut block);
+                // Lane vectors are columns: written as rows they are the transpose.
+                for (k, column) in block.iter().take(V::COUNT).enumerate() {
+                    column.store(&mut out[8 * (j + k) + i..]);
+                }
+                let mut back = vec![0.0; 64];
+                V::store_transposed(&block, &sources, &mut back, 8);
+                for s in 0..V::COUNT {
+                    let there = &self.0[8 * (i + s) + j..][..V::COUNT];
+                    assert_eq!(&back[8 * s..][..V::COUNT], there);
+                }
+            }
+        }
+        out
+    }
+}
+
+#[test]
+fn blocks_are_transposed_and_back() {
+    let table: Vec<f64> = (0..64).map(f64::from).collect();
+    for width in widths() {
+        let out = dispatch(width, Transpose(&table));
+        for (at, x) in out.iter().enumerate() {
+            assert_eq!(*x, table[at % 8 * 8 + at / 8], "{width:?}");
+        }
+    }
+}
+
+struct Copy<'a>(&'a [f64], &'a mut [f64]);
+
+impl Task for Copy<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Lanes>(self) {
+        V::stream(self.0, self.1);
+    }
+}
+
+#[test]
+fn streams_copy_every_number_at_any_alignment() {
+    let numbers: Vec<f64> = (0..100).map(f64::from).collect();
+    for width in widths() {
+        for (from, to, count) in [(0, 0, 100), (1, 3, 61), (5, 2, 7), (0, 7, 0), (3, 1, 64)] {
+            let mut out = vec![-1.0; 120];
+            dispatch(
+                width,
+                Copy(&numbers[from..from + count], &mut out[to..to + count]),
+            );
+            assert_eq!(out[to..to + count], numbers[from..from + count]);
+            assert!(
+                out[..to]
+                    .iter()
+                    .chain(&out[to + count..])
+                    .all(|x| *x == -1.0)
+            );
+        }
+    }
+}

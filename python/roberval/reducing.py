@@ -1,0 +1,293 @@
+"""Files of samples to the R factor: CSV, NPZ and Parquet, piece by piece; Dask datasets.
+
+`roberval reduce ROBOT FILES -o R.npz` is here, because Parquet is read by pyarrow.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import sys
+import time
+import zipfile
+from collections.abc import Callable, Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .arrays import Array
+from .base import BaseParameters
+from .errors import ArrayError, MissingPackageError, RobervalError, ShapeError
+from .loading import load
+from .reduction import FRICTION, ObservationQR
+from .robot import Robot
+
+ARRAYS = ("q", "qd", "qdd", "tau")
+"""What a sample has; columns are named q_1 or q_NAME and so on."""
+
+PIECE = 1 << 16
+"""Samples in memory at a time."""
+
+Piece = tuple[Array, Array, Array, Array]
+
+
+def titles(robot: Robot, names: Sequence[str], source: str) -> list[list[str]]:
+    """Return for q, qd, qdd and tau the title of each joint's column among `names`."""
+    known = {name.strip().lstrip("\ufeff"): name for name in names}
+    moving = [link for link in robot.links if link.joint != "fixed"]
+    found = []
+    for array in ARRAYS:
+        of_array = []
+        for number, link in enumerate(moving, 1):
+            wanted = [f"{array}_{key}" for key in (link.joint_name, link.name, number) if key]
+            match = [known[title] for title in wanted if title in known]
+            if not match:
+                raise ShapeError(f"{source}: there is no column {' or '.join(wanted)}")
+            of_array.append(match[0])
+        found.append(of_array)
+    return found
+
+
+def pieces(path: Path, robot: Robot) -> Iterator[Piece]:
+    """Read a file of samples piece by piece."""
+    readers = {".csv": from_csv, ".npz": from_npz, ".parquet": from_parquet}
+    reader = readers.get(path.suffix.lower())
+    if reader is None:
+        raise RobervalError(f"{path}: samples are a .csv, .npz or .parquet file")
+    return reader(path, robot)
+
+
+def from_csv(path: Path, robot: Robot) -> Iterator[Piece]:
+    """Read a CSV file with a header line."""
+    with path.open(newline="", encoding="utf-8-sig") as file:
+        rows = csv.reader(file)
+        header = next(rows, None)
+        if header is None:
+            raise ShapeError(f"{path}: the file is empty")
+        header = [title.strip() for title in header]
+        wanted = titles(robot, header, str(path))
+        places = [[header.index(title) for title in of_array] for of_array in wanted]
+        line = 1
+        while block := list(islice(rows, PIECE)):
+            table = numbers(block, len(header), path, line)
+            line += len(block)
+            yield tuple(np.ascontiguousarray(table[:, place]) for place in places)  # type: ignore[misc]
+
+
+def numbers(block: list[list[str]], width: int, path: Path, line: int) -> Array:
+    """Return the numbers of some lines, the first being the one after `line`."""
+    try:
+        return np.array(block, dtype=np.float64).reshape(len(block), width)
+    except ValueError:
+        pass
+    for number, row in enumerate(block, line + 1):
+        if len(row) != width:
+            raise ShapeError(f"{path}:{number}: {len(row)} values under {width} columns")
+        for word in row:
+            try:
+                float(word)
+            except ValueError:
+                raise ArrayError(f"{path}:{number}: {word!r} is not a number") from None
+    raise ArrayError(f"{path}: lines {line + 1} to {line + len(block)} are no numbers")
+
+
+def from_npz(path: Path, robot: Robot) -> Iterator[Piece]:
+    """Read an NPZ file with the arrays q, qd, qdd and tau, each (N, n) in C order."""
+    n = robot.n
+    with zipfile.ZipFile(path) as archive:
+        absent = [array for array in ARRAYS if f"{array}.npy" not in archive.namelist()]
+        if absent:
+            raise ShapeError(f"{path}: there is no array {absent[0]}")
+        files = [archive.open(f"{array}.npy") for array in ARRAYS]
+        shapes = [
+            npy_header(file, f"{path}: {name}", n) for name, file in zip(ARRAYS, files, strict=True)
+        ]
+        if len(set(shapes)) > 1:
+            raise ShapeError(f"{path}: the arrays have {shapes} samples: they must be as many")
+        for first in range(0, shapes[0], PIECE):
+            size = min(PIECE, shapes[0] - first) * n * 8
+            blocks = [file.read(size) for file in files]
+            if any(len(block) < size for block in blocks):
+                raise ArrayError(f"{path}: the file ends within an array")
+            yield tuple(np.frombuffer(block, "<f8").reshape(-1, n) for block in blocks)  # type: ignore[misc]
+
+
+def npy_header(file: Any, source: str, n: int) -> int:
+    """Read an array's header; return its number of samples."""
+    version = np.lib.format.read_magic(file)
+    read = (
+        np.lib.format.read_array_header_1_0
+        if version == (1, 0)
+        else np.lib.format.read_array_header_2_0
+    )
+    shape, fortran, dtype = read(file)
+    if len(shape) != 2 or shape[1] != n:
+        raise ShapeError(f"{source} has shape {shape}, expected (N, {n})")
+    if dtype != np.dtype("<f8") or fortran:
+        raise ArrayError(f"{source} is {dtype}, expected float64 in C order")
+    return int(shape[0])
+
+
+def from_parquet(path: Path, robot: Robot) -> Iterator[Piece]:
+    """Read a Parquet file with columns as in CSV; pyarrow does it."""
+    try:
+        import pyarrow.parquet as parquet
+    except ImportError:
+        raise MissingPackageError(
+            "reading Parquet needs the package pyarrow: pip install 'roberval[parquet]'"
+        ) from None
+    with parquet.ParquetFile(path) as file:
+        wanted = titles(robot, file.schema_arrow.names, str(path))
+        every = [title for of_array in wanted for title in of_array]
+        for batch in file.iter_batches(batch_size=PIECE, columns=every):
+            yield piece_of(batch.column, len(batch), wanted)
+
+
+def piece_of(column: Callable[[str], Any], count: int, wanted: list[list[str]]) -> Piece:
+    """Gather the columns of a table."""
+    arrays = []
+    for of_array in wanted:
+        array = np.empty((count, len(of_array)))
+        for place, title in enumerate(of_array):
+            array[:, place] = np.asarray(column(title), dtype=np.float64)
+        arrays.append(array)
+    q, qd, qdd, tau = arrays
+    return q, qd, qdd, tau
+
+
+def reduce_dataset(
+    dataset: Any,
+    model: Robot | BaseParameters,
+    columns: Sequence[str] | None = None,
+    friction: Sequence[str] = (),
+) -> ObservationQR:
+    """Reduce a Dask DataFrame (``dask.dataframe.read_parquet``), one partition a task.
+
+    The partitions' R factors are merged in pairs, a fixed tree: the same bits for any number
+    of workers.
+
+    Parameters
+    ----------
+    dataset : dask.dataframe.DataFrame
+        Columns ``q_1`` .. or ``q_NAME``, likewise qd, qdd and tau.
+    model, columns, friction
+        As for `ObservationQR`.
+    """
+    try:
+        import dask
+    except ImportError:
+        raise MissingPackageError(
+            "datasets need the package dask: pip install 'roberval[dask]'"
+        ) from None
+    delayed = getattr(dask, "delayed")  # noqa: B009 (dask does not export it to type checkers)
+    one, two = delayed(reduce_partition, pure=False), delayed(merged, pure=False)
+    parts = [one(part, model, columns, tuple(friction)) for part in dataset.to_delayed()]
+    if not parts:
+        return ObservationQR(model, columns, friction)
+    while len(parts) > 1:
+        pairs = [two(*parts[at : at + 2]) for at in range(0, len(parts) - 1, 2)]
+        parts = pairs + parts[2 * len(pairs) :]
+    result: ObservationQR = parts[0].compute()
+    return result
+
+
+def reduce_partition(
+    frame: Any,
+    model: Robot | BaseParameters,
+    columns: Sequence[str] | None,
+    friction: Sequence[str],
+) -> ObservationQR:
+    """Reduce one table with columns q_1 .., in pieces."""
+    robot = model if isinstance(model, Robot) else model._robot
+    qr = ObservationQR(model, columns, friction, threads=1)
+    wanted = titles(robot, list(frame.columns), "the dataset")
+    for first in range(0, len(frame), PIECE):
+        piece = frame.iloc[first : first + PIECE]
+        qr.update(*piece_of(piece.__getitem__, len(piece), wanted))
+    return qr
+
+
+def merged(first: ObservationQR, second: ObservationQR) -> ObservationQR:
+    """Return both in one; neither is changed."""
+    result = first._copy()
+    result.merge(second)
+    return result
+
+
+def command(arguments: Sequence[str]) -> int:
+    """Run ``roberval reduce``."""
+    parser = argparse.ArgumentParser(
+        prog="roberval reduce", description="Reduce joint states and torques to the R factor."
+    )
+    parser.add_argument("robot", help="name of a built-in robot, or a robot file")
+    parser.add_argument("samples", nargs="+", type=Path, help=".csv, .npz or .parquet files")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="R.npz")
+    parser.add_argument("--base", action="store_true", help="only the base parameters' columns")
+    parser.add_argument("--friction", nargs="*", choices=FRICTION, default=[])
+    parser.add_argument("--threads", type=int, metavar="T")
+    parser.add_argument("--checkpoint", type=Path, metavar="FILE", help="save progress, resume")
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+    asked = parser.parse_args(arguments)
+    try:
+        reduce_files(asked)
+    except (RobervalError, OSError, zipfile.BadZipFile, UnicodeDecodeError) as error:
+        print(f"roberval: error: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("roberval: interrupted", file=sys.stderr)
+        return 130
+    return 0
+
+
+def reduce_files(asked: argparse.Namespace) -> None:
+    """Reduce the files in their order, from the checkpoint on if there is one."""
+    robot = load(asked.robot)
+    model = robot.base_parameters() if asked.base else robot
+    checkpoint = asked.checkpoint
+    if checkpoint is not None and checkpoint.exists():
+        qr = ObservationQR.load(checkpoint, model, asked.threads)
+        if qr.columns != (fresh := ObservationQR(model, None, asked.friction)).columns:
+            raise RobervalError(
+                f"{checkpoint} has {len(qr.columns)} columns, not {len(fresh.columns)}"
+            )
+    else:
+        qr = ObservationQR(model, None, asked.friction, asked.threads)
+    skip, started, saved = qr.samples, time.monotonic(), time.monotonic()
+    for number, path in enumerate(asked.samples, 1):
+        for piece in pieces(path, robot):
+            if skip >= len(piece[0]):
+                skip -= len(piece[0])
+                continue
+            first, skip = skip, 0
+            try:
+                qr.update(*(array[first:] for array in piece))
+            except ArrayError as error:
+                raise ArrayError(f"{path}: {error} (samples are counted over all files)") from None
+            if checkpoint is not None and time.monotonic() - saved > 10:
+                qr.save(checkpoint)
+                saved = time.monotonic()
+            if not asked.quiet and sys.stderr.isatty():
+                progress(number, len(asked.samples), qr.samples, time.monotonic() - started)
+    if not asked.quiet and sys.stderr.isatty():
+        print(file=sys.stderr)
+    if checkpoint is not None:
+        qr.save(checkpoint)
+    qr.save_factor(asked.output)
+    print(
+        f"roberval: note: R of {len(qr.columns)} columns from {qr.samples} samples", file=sys.stderr
+    )
+
+
+def progress(number: int, count: int, samples: int, seconds: float) -> None:
+    """Draw the progress bar again."""
+    width = 24
+    full = width * number // count
+    bar = "#" * full + "." * (width - full)
+    rate = samples / max(seconds, 1e-3) / 1e6
+    print(
+        f"\r[{bar}] file {number}/{count}, {samples} samples, {rate:.2f} M/s ",
+        end="",
+        file=sys.stderr,
+    )

@@ -1,0 +1,208 @@
+from __future__ import annotations
+
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import roberval as rv
+from roberval import reducing
+
+# Rounding of R over some thousand rows, relative to its largest entry (issue 5).
+ACCURACY = 1e-14
+
+
+@pytest.fixture(scope="module")
+def puma() -> rv.Robot:
+    return rv.load("puma560")
+
+
+@pytest.fixture(scope="module")
+def base(puma: rv.Robot) -> rv.BaseParameters:
+    return puma.base_parameters()
+
+
+def data(n: int, count: int, seed: int = 0) -> tuple[np.ndarray, ...]:
+    return tuple(np.random.default_rng(seed).uniform(-2, 2, (4, count, n)))
+
+
+def one_shot(W: np.ndarray, tau: np.ndarray) -> np.ndarray:
+    R = np.asarray(np.linalg.qr(np.column_stack([W, tau]), mode="r"))
+    return R * np.where(np.diag(R) < 0, -1, 1)[:, None]
+
+
+def same(a: rv.ObservationQR, b: rv.ObservationQR) -> bool:
+    return bool(
+        np.array_equal(a.r_factor, b.r_factor)
+        and np.array_equal(a.qt_tau, b.qt_tau)
+        and a.residual_norm == b.residual_norm
+    )
+
+
+def test_r_is_numpys(base: rv.BaseParameters) -> None:
+    q, qd, qdd, tau = data(6, 777)
+    qr = rv.ObservationQR(base, friction=("viscous", "coulomb", "offset"))
+    qr.update(q, qd, qdd, tau)
+    W = base.regressor(q, qd, qdd).reshape(-1, base.rank)
+    eye = np.tile(np.eye(6), (777, 1))
+    kinds = [qd.reshape(-1, 1) * eye, np.sign(qd).reshape(-1, 1) * eye, eye]
+    R = one_shot(np.column_stack([W, *kinds]), tau.ravel())
+    assert np.abs(qr.r_factor - R[:-1, :-1]).max() <= 10 * ACCURACY * np.abs(R).max()
+    assert np.abs(qr.qt_tau - R[:-1, -1]).max() <= 10 * ACCURACY * np.abs(R).max()
+    assert abs(qr.residual_norm - R[-1, -1]) <= 10 * ACCURACY * np.abs(R).max()
+    assert qr.columns[40:47] == (*(f"viscous_{j}" for j in rv.load("puma560").joints), "coulomb_1")
+    assert qr.samples == 777
+
+
+def test_solve_finds_the_parameters_and_names_what_is_not_determined(
+    puma: rv.Robot, base: rv.BaseParameters
+) -> None:
+    q, qd, qdd, _ = data(6, 300)
+    X = np.arange(66.0)
+    tau = puma.torques(q, qd, qdd, X)
+    qr = rv.ObservationQR(base)
+    qr.update(q, qd, qdd, tau, weights=np.array([1, 2, 3, 4, 5, 6.0]))
+    np.testing.assert_allclose(qr.solve(), base.values(X), rtol=1e-10, atol=1e-9)
+    everything = rv.ObservationQR(puma)
+    everything.update(q, qd, qdd, tau)
+    with pytest.raises(rv.NumericalError, match="column 0"):
+        everything.solve()
+
+
+def test_saved_and_pickled_accumulators_go_on_with_the_same_bits(
+    base: rv.BaseParameters, puma: rv.Robot, tmp_path: Path
+) -> None:
+    q, qd, qdd, tau = data(6, 500)
+    qr = rv.ObservationQR(base, threads=2)
+    qr.update(q[:123], qd[:123], qdd[:123], tau[:123])
+    qr.save(tmp_path / "qr")
+    resumed = [rv.ObservationQR.load(tmp_path / "qr", puma), pickle.loads(pickle.dumps(qr))]
+    for each in (qr, *resumed):
+        each.update(q[123:], qd[123:], qdd[123:], tau[123:])
+    assert same(qr, resumed[0])
+    assert same(qr, resumed[1])
+    assert [file.name for file in tmp_path.iterdir()] == ["qr"]
+    damaged = bytearray((tmp_path / "qr").read_bytes())
+    damaged[1000] ^= 4
+    (tmp_path / "qr").write_bytes(damaged)
+    with pytest.raises(rv.CheckpointError, match="damaged"):
+        rv.ObservationQR.load(tmp_path / "qr", puma)
+
+
+def test_bad_samples_are_named(base: rv.BaseParameters) -> None:
+    q, qd, qdd, tau = data(6, 50)
+    qr = rv.ObservationQR(base)
+    tau[17, 3] = np.nan
+    with pytest.raises(rv.ArrayError, match=r"tau\[17, 3\]"):
+        qr.update(q, qd, qdd, tau)
+    with pytest.raises(rv.ShapeError, match="tau"):
+        qr.update(q, qd, qdd, tau[:, :5])
+    with pytest.raises(rv.OptionError, match="friction"):
+        rv.ObservationQR(base, friction=("viscose",))
+    with pytest.raises(rv.UnknownParameterError, match="XX_9"):
+        rv.ObservationQR(base, columns=("XX_9",))
+    assert qr.samples == 0
+
+
+def write(folder: Path, samples: tuple[np.ndarray, ...]) -> list[Path]:
+    """Write the same samples as CSV, NPZ and Parquet."""
+    names = [f"{array}_{j}" for array in reducing.ARRAYS for j in range(1, 7)]
+    table = np.column_stack(samples)
+    text = "\n".join(",".join(map(repr, row)) for row in table.tolist())
+    (folder / "samples.csv").write_text(",".join(names) + "\n" + text + "\n")
+    q, qd, qdd, tau = samples
+    np.savez(folder / "samples.npz", q=q, qd=qd, qdd=qdd, tau=tau)
+    paths = [folder / "samples.csv", folder / "samples.npz"]
+    parquet = pytest.importorskip("pyarrow.parquet")
+    import pyarrow
+
+    columns = dict(zip(names, table.T, strict=True))
+    parquet.write_table(pyarrow.table(columns), folder / "samples.parquet")
+    return [*paths, folder / "samples.parquet"]
+
+
+def test_files_of_every_form_give_the_same_bits(
+    base: rv.BaseParameters, puma: rv.Robot, tmp_path: Path
+) -> None:
+    samples = data(6, 200)
+    expected = rv.ObservationQR(puma)
+    for _ in range(2):
+        expected.update(*samples)
+    for path in write(tmp_path, samples):
+        target = tmp_path / f"{path.suffix[1:]}-R.npz"
+        arguments = ["puma560", str(path), str(path), "-o", str(target), "--quiet"]
+        assert reducing.command(arguments) == 0
+        with np.load(target) as written:
+            assert np.array_equal(written["R"], expected.r_factor)
+            assert written["samples"] == 400
+            assert tuple(written["columns"]) == expected.columns
+
+
+def test_the_command_says_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bad = tmp_path / "bad.csv"
+    names = ",".join(f"{array}_{j}" for array in reducing.ARRAYS for j in range(1, 7))
+    bad.write_text(names + "\n" + ",".join(["1"] * 24) + "\n" + ",".join(["1"] * 23) + ",x\n")
+    out = tmp_path / "R.npz"
+    assert reducing.command(["puma560", str(bad), "-o", str(out)]) == 2
+    assert "bad.csv:3: 'x' is not a number" in capsys.readouterr().err
+    bad.write_text("q_1\n1\n")
+    assert reducing.command(["puma560", str(bad), "-o", str(out)]) == 2
+    assert "no column q_2" in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_dask_gives_the_same_bits_for_any_number_of_workers(puma: rv.Robot, tmp_path: Path) -> None:
+    frames = pytest.importorskip("dask.dataframe")
+    distributed = pytest.importorskip("distributed")
+    path = write(tmp_path, data(6, 400))[2]
+    import pandas as pd
+
+    whole = pd.read_parquet(path)
+    dataset = frames.from_pandas(whole, npartitions=5)
+    base = puma.base_parameters()
+    local = rv.reduce_dataset(dataset, base, friction=("viscous",))
+    assert local.samples == 400
+    cluster = distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50
+    )
+    with cluster, distributed.Client(cluster):
+        assert same(rv.reduce_dataset(dataset, base, friction=("viscous",)), local)
+    together = rv.ObservationQR(base, friction=("viscous",))
+    table = whole.to_numpy()
+    together.update(*(np.ascontiguousarray(table[:, 6 * k : 6 * k + 6]) for k in range(4)))
+    R = together.r_factor
+    assert np.abs(local.r_factor - R).max() <= 10 * ACCURACY * np.abs(R).max()
+
+
+def test_ctrl_c_is_answered_and_nothing_taken_in() -> None:
+    script = """
+import os, signal, threading, time
+import numpy as np
+import roberval as rv
+robot = rv.load("puma560")
+qr = rv.ObservationQR(robot, threads=1)
+samples = np.ones((4, 1_500_000, 6))
+sent = []
+def interrupt():
+    time.sleep(0.15)
+    sent.append(time.monotonic())
+    os.kill(os.getpid(), signal.SIGINT)
+for attempt in range(2):
+    thread = threading.Thread(target=interrupt)
+    thread.start()
+    try:
+        while True:
+            qr.update(*samples)
+            before = qr.samples
+    except KeyboardInterrupt:
+        print(time.monotonic() - sent[-1], qr.samples % 1_500_000)
+    thread.join()
+"""
+    run = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=300, check=False
+    )
+    assert run.returncode == 0, run.stderr
+    for line in run.stdout.splitlines():
+        assert line.split()[1] == "0"
