@@ -228,5 +228,5 @@ fn statements(
         Input::Parameter(k) => frame.constant_element("x", k),
         Input::Prepared(k) => frame.constant_element("k", k),
     };
-    expression::statements(program, (frame.times(), frame.sign()), input)
+    expression::statements(program, &frame.words(), input)
 }
