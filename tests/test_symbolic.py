@@ -35,6 +35,26 @@ def test_relations_of_the_puma_are_table_v() -> None:
     assert symbolic.origins["YY_4"] == "rule: mass along a revolute joint's axis"
 
 
+def test_the_rules_alone_leave_what_the_numerical_method_then_reduces() -> None:
+    puma, sr400 = rv.load("puma560"), rv.load("sr400")
+    whole, rules = puma.base_parameters().relations_symbolic(), puma.closed_form_rules()
+    assert dict(rules) == dict(whole)
+    assert rules.left_over == ()
+    assert rules.made_by["ZZ_1"] == (
+        "rule: a rotor turns (slides) as its link does",
+        "rule: mass along a revolute joint's axis",
+    )
+    left = sr400.closed_form_rules()
+    base = sr400.base_parameters()
+    assert left.rank - len(left.left_over) == base.rank
+    assert not set(left.left_over) & set(base.base)
+    elimination = "elimination, where the rules end"
+    origins = base.relations_symbolic().origins
+    assert {label for label, origin in origins.items() if origin == elimination} == set(
+        left.left_over
+    )
+
+
 @pytest.mark.parametrize("name", [*ROBOTS, "sr400"])
 def test_sympy_reads_the_relations_and_gives_beta(name: str) -> None:
     pytest.importorskip("sympy")
