@@ -106,6 +106,36 @@ def test_a_compiled_regressor_is_the_regressor(name: str, model: rv.Model) -> No
     assert np.array_equal(compiled(q[3], qd[3], qdd[3]), out[3])
 
 
+SLIDER = """
+name = "slider crank"
+gravity = [0, -9.81, 0]
+link = [
+    { name = "crank", alpha = 0, d = 0, r = 0 },
+    { name = "slide", joint = "prismatic", antecedent = "base", alpha = "pi/2", d = 0, theta = 0 },
+]
+[[couple]]
+joint = "slide"
+expression = "0.2*cos(q.crank) + sqrt(0.03 - 0.04*sin(q.crank)*sin(q.crank))"
+"""
+
+
+def test_a_compiled_regressor_follows_expressions_as_far_as_they_have_values() -> None:
+    base = rv.Robot.from_toml(SLIDER).base_parameters()
+    compiled = base.compile()
+    q, qd, qdd = 0.1 * states(1)
+    expected = base.regressor(q, qd, qdd)
+    assert np.abs(compiled(q, qd, qdd) - expected).max() < TOLERANCE
+    q[7] = np.pi / 2
+    with pytest.raises(rv.RobervalError, match="slide"):
+        compiled(q, qd, qdd)
+
+
+def test_a_compiled_regressor_of_a_floating_base_is_the_regressor() -> None:
+    base = rv.load("two_link", floating=True).base_parameters()
+    q, qd, qdd = np.ones((1, base.robot.nq)), *np.ones((2, 1, base.robot.n))
+    assert np.array_equal(base.compile()(q, qd, qdd), base.regressor(q, qd, qdd))
+
+
 def test_without_a_compiler_the_package_does_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CC", "/no/such/compiler")
     base = rv.load("two_link").base_parameters()

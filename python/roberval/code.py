@@ -96,13 +96,18 @@ class Compiled:
     Made by `BaseParameters.compile`.
     """
 
-    __slots__ = ("_base", "_call", "_shape")
+    __slots__ = ("_base", "_call", "_may_fail", "_shape")
 
     def __init__(self, base: BaseParameters) -> None:
         self._base = base
-        code = base.code("c", "energy" if base.model == "h" else "regressor")
-        self._shape = code.shape
-        self._call = _machine_code(code)
+        self._call = None
+        self._shape: tuple[int, ...] = ()
+        # Where couples by expressions have no value, as a root of a negative number.
+        self._may_fail = any(couple.expression for couple in base.robot.couples)
+        if base.robot.nq == base.robot.n:  # else the base floats
+            code = base.code("c", "energy" if base.model == "h" else "regressor")
+            self._shape = code.shape
+            self._call = _machine_code(code)
 
     @property
     def compiled(self) -> bool:
@@ -131,6 +136,8 @@ class Compiled:
                 raise ArrayError(f"{name} has numbers that are not finite")
         pointers = [array.ctypes.data_as(ctypes.c_void_p) for array in (*used, out)]
         self._call(len(states.q), *pointers)
+        if self._may_fail and not np.isfinite(out).all():
+            return base.regressor(q, qd, qdd, out=out)  # says what has no value
         return out
 
 

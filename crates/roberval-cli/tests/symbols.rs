@@ -103,11 +103,7 @@ fn the_rules_alone_tell_what_they_leave_and_which_rule_made_each_relation() {
         "{}",
         puma.out
     );
-    assert!(
-        puma.out.contains("XXR_6 = XX_6 - YY_6   [d]"),
-        "{}",
-        puma.out
-    );
+    assert!(puma.out.contains("XXR_6 = XX_6 - YY_6 [d]"), "{}", puma.out);
     assert!(puma.out.contains("[d] rule: mass along"), "{}", puma.out);
     let sr400 = roberval(&["base", "sr400", "--rules"]);
     assert!(sr400.out.contains("removes 11 ("), "{}", sr400.out);

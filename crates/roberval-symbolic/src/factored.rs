@@ -64,16 +64,9 @@ impl Factored {
             let with = variables.iter().cloned().zip(monomial.iter().copied());
             with.filter(|(_, e)| *e > 0).collect()
         };
-        let whole: Vec<(BigInt, Monomial)> = polynomial
-            .terms
-            .iter()
-            .map(|(monomial, coefficient)| {
-                let rest = monomial.iter().zip(&common).map(|(e, c)| e - c).collect();
-                let whole = (coefficient / &number).to_integer();
-                (if negative { -whole } else { whole }, rest)
-            })
-            .collect();
-        let (squares, others) = with_squares(whole);
+        let whole = whole_terms(&polynomial).into_iter();
+        let whole = whole.map(|(c, rest)| (if negative { -c } else { c }, rest));
+        let (squares, others) = with_squares(whole.collect());
         let product = |(c, m): (BigInt, Monomial)| Term::Product(c, named(&m));
         let mut sum: Vec<Term> = others.into_iter().map(product).collect();
         sum.extend(squares.into_iter().map(|(c, lengths)| {
@@ -96,8 +89,12 @@ impl Factored {
     /// Whether it is 1 or -1.
     #[must_use]
     pub fn is_unit(&self) -> bool {
-        let bare = self.common.is_empty() && self.below.is_empty() && self.sum.is_empty();
-        bare && self.number.is_one()
+        self.is_number() && self.number.is_one()
+    }
+
+    /// Whether it has no variables.
+    fn is_number(&self) -> bool {
+        self.common.is_empty() && self.below.is_empty() && self.sum.is_empty()
     }
 
     /// Without its sign, as a factor of something behind it; empty for 1.
@@ -123,6 +120,9 @@ impl Factored {
         let mut below: Vec<String> = Vec::new();
         if !self.number.denom().is_one() {
             below.push(self.number.denom().to_string());
+        }
+        if notation == Notation::SymPy && below.len() == 1 && self.is_number() {
+            return format!("Rational({numerator}, {})", below[0]);
         }
         below.extend(self.below.iter().map(|f| notation.power(f)));
         let above = factors.join(notation.times());
@@ -253,19 +253,35 @@ fn sign(first: bool, negative: bool) -> &'static str {
     }
 }
 
-/// The polynomial, or the same with `1 - sin^2` for squares of cosines, whichever has fewer
-/// terms; angle by angle.
+/// The polynomial, or the same with `1 - sin^2` for squares of cosines, whichever is written
+/// with fewer terms; angle by angle.
 fn shortest(polynomial: &Polynomial, variables: &[Variable]) -> Polynomial {
     let mut best = polynomial.clone();
     for (at, variable) in variables.iter().enumerate() {
         if matches!(variable, Variable::Cos(_)) {
             let other = with_sines(&best, at);
-            if other.terms.len() < best.terms.len() {
+            if written_terms(&other) < written_terms(&best) {
                 best = other;
             }
         }
     }
     best
+}
+
+/// Terms, squares of sums being one.
+fn written_terms(polynomial: &Polynomial) -> usize {
+    let (squares, others) = with_squares(whole_terms(polynomial));
+    squares.len() + others.len()
+}
+
+/// The terms over their common number and monomial.
+fn whole_terms(polynomial: &Polynomial) -> Vec<(BigInt, Monomial)> {
+    let (common, number) = (common_monomial(polynomial), content(polynomial));
+    let whole = |(monomial, coefficient): (&Monomial, &BigRational)| {
+        let rest = monomial.iter().zip(&common).map(|(e, c)| e - c).collect();
+        ((coefficient / &number).to_integer(), rest)
+    };
+    polynomial.terms.iter().map(whole).collect()
 }
 
 /// Replaces `cos^2` by `1 - sin^2` as long as there is one.

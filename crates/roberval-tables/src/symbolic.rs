@@ -42,7 +42,7 @@ impl Formula {
         });
         let mut pieces = pieces(&self.left, &self.first, groups);
         if !self.made_by.is_empty() {
-            pieces.push(format!("  [{}]", self.made_by));
+            pieces.push(format!("[{}]", self.made_by));
         }
         pieces
     }
@@ -296,7 +296,7 @@ fn specials(answer: &SymbolicRelations) -> Vec<String> {
         let gone = special.gone.iter().map(|&c| label(answer, c, false).text());
         let gone = gone.collect::<Vec<_>>().join(", ");
         let values = special.values.join(", ");
-        format!("special values: with {values} {what}: {gone}")
+        format!("special values: with {values}, {what}: {gone}")
     });
     special.collect()
 }
@@ -407,7 +407,7 @@ fn sympy_names(answer: &SymbolicRelations) -> Vec<String> {
 /// The relations as a Python module for SymPy.
 pub(crate) fn sympy(answer: &SymbolicRelations) -> String {
     let (formulas, names) = (formulas(answer), sympy_names(answer));
-    let mut text = "from sympy import cos, sin, symbols\n\n".to_owned();
+    let mut text = "from sympy import Rational, cos, sin, symbols\n\n".to_owned();
     let symbols = answer.named.symbols.iter().map(|s| s.name.as_str());
     text += &define(&symbols.collect::<Vec<_>>(), ", real=True");
     let used = |c: &usize| {
