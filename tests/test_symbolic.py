@@ -72,6 +72,20 @@ def test_sympy_reads_the_relations_and_gives_beta(name: str) -> None:
             assert float(given.coeff(symbol)) == pytest.approx(coefficient, abs=TOLERANCE)
 
 
+def test_constants_may_have_names_that_mean_something_to_python() -> None:
+    sympy = pytest.importorskip("sympy")
+    text = rv.load("two_link").to_toml()
+    assert "L1" in text
+    for name in ("lambda", "M_2", "cos", "E"):
+        robot = rv.Robot.from_toml(text.replace("L1", name))
+        symbolic = robot.base_parameters().relations_symbolic()
+        scope: dict[str, Any] = {}
+        exec(symbolic.sympy_source(), scope)
+        length = sympy.Symbol(name, real=True)
+        for relations in (scope["relations"], symbolic.to_sympy()):
+            assert relations["MX_1"].coeff(length).free_symbols
+
+
 @pytest.mark.parametrize("name", ROBOTS)
 def test_numpy_code_gives_the_packages_numbers(name: str) -> None:
     base = rv.load(name).base_parameters()

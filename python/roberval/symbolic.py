@@ -114,7 +114,8 @@ class SymbolicRelations(Rendered, Mapping[str, str]):
             import sympy  # type: ignore[import-untyped,import-not-found,unused-ignore]
         except ImportError:
             raise MissingPackageError("to_sympy needs SymPy: pip install sympy") from None
-        real = {name: sympy.Symbol(name, real=True) for name in self.symbols}
+        symbols = self._content["symbols"]
+        real = {s["sympy"]: sympy.Symbol(s["name"], real=True) for s in symbols}
         names = self._content["sympy_names"].values()
         scope = {name: sympy.Symbol(name) for name in names} | real
         relations = self._content["relations"].items()

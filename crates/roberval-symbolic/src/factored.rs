@@ -13,6 +13,50 @@ use crate::polynomial::{Monomial, Polynomial, Variable};
 use crate::relations::Coefficient;
 use squares::with_squares;
 
+/// Python's keywords, and what the SymPy module defines.
+const TAKEN: [&str; 40] = [
+    "False",
+    "None",
+    "True",
+    "and",
+    "as",
+    "assert",
+    "async",
+    "await",
+    "break",
+    "class",
+    "continue",
+    "def",
+    "del",
+    "elif",
+    "else",
+    "except",
+    "finally",
+    "for",
+    "from",
+    "global",
+    "if",
+    "import",
+    "in",
+    "is",
+    "lambda",
+    "nonlocal",
+    "not",
+    "or",
+    "pass",
+    "raise",
+    "return",
+    "try",
+    "while",
+    "with",
+    "yield",
+    "Rational",
+    "cos",
+    "sin",
+    "symbols",
+    "relations",
+];
+
 /// How formulas are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Notation {
@@ -171,12 +215,17 @@ impl Notation {
             (_, Variable::Length(name)) => self.name(name),
             (Self::Latex, Variable::Cos(name)) => format!("\\cos {}", self.name(name)),
             (Self::Latex, Variable::Sin(name)) => format!("\\sin {}", self.name(name)),
-            (_, Variable::Cos(name)) => format!("cos({name})"),
-            (_, Variable::Sin(name)) => format!("sin({name})"),
+            (_, Variable::Cos(name)) => format!("cos({})", self.name(name)),
+            (_, Variable::Sin(name)) => format!("sin({})", self.name(name)),
         }
     }
 
-    fn name(self, name: &str) -> String {
+    /// A symbol's name; for SymPy one that Python and the module leave free.
+    #[must_use]
+    pub fn name(self, name: &str) -> String {
+        if self == Self::SymPy && TAKEN.contains(&name) {
+            return format!("{name}_");
+        }
         if self != Self::Latex {
             return name.to_owned();
         }

@@ -339,7 +339,11 @@ pub(crate) fn json(answer: &SymbolicRelations) -> String {
             SymbolKind::Length => "length",
             SymbolKind::Angle => "angle",
         };
-        json!({"name": s.name, "kind": kind, "given": s.given.text, "value": s.given.value})
+        let sympy = Notation::SymPy.name(&s.name);
+        json!({
+            "name": s.name, "kind": kind, "given": s.given.text, "value": s.given.value,
+            "sympy": sympy,
+        })
     });
     let (formulas, by_origin) = (formulas(answer), origins(answer));
     let relations = formulas.iter().map(|formula| {
@@ -387,7 +391,7 @@ pub(crate) fn json(answer: &SymbolicRelations) -> String {
 }
 
 /// Names of the parameters for SymPy: `ZZ_1`, or `ZZ_link1` where the link's name is no
-/// identifier.
+/// identifier or a constant has that name.
 fn sympy_names(answer: &SymbolicRelations) -> Vec<String> {
     let ids = answer
         .parameters
@@ -396,7 +400,8 @@ fn sympy_names(answer: &SymbolicRelations) -> Vec<String> {
         .zip(answer.parameters.labels());
     ids.map(|(id, label)| {
         let plain = label.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        match plain {
+        let taken = answer.named.symbols.iter().any(|s| s.name == *label);
+        match plain && !taken {
             true => label.clone(),
             false => format!("{}_link{}", id.kind, id.link + 1),
         }
@@ -408,8 +413,10 @@ fn sympy_names(answer: &SymbolicRelations) -> Vec<String> {
 pub(crate) fn sympy(answer: &SymbolicRelations) -> String {
     let (formulas, names) = (formulas(answer), sympy_names(answer));
     let mut text = "from sympy import Rational, cos, sin, symbols\n\n".to_owned();
-    let symbols = answer.named.symbols.iter().map(|s| s.name.as_str());
-    text += &define(&symbols.collect::<Vec<_>>(), ", real=True");
+    for symbol in &answer.named.symbols {
+        let name = Notation::SymPy.name(&symbol.name);
+        text += &format!("{name} = symbols(\"{}\", real=True)\n", symbol.name);
+    }
     let used = |c: &usize| {
         let in_groups =
             |f: &Formula| f.base == *c || f.groups.iter().any(|g| g.columns.contains(c));
@@ -419,7 +426,10 @@ pub(crate) fn sympy(answer: &SymbolicRelations) -> String {
         .filter(used)
         .map(|c| names[c].as_str())
         .collect();
-    text += &define(&used, "");
+    text.extend(
+        used.iter()
+            .map(|name| format!("{name} = symbols(\"{name}\")\n")),
+    );
     text += "\nrelations = {\n";
     for formula in &formulas {
         text += &format!(
@@ -429,11 +439,4 @@ pub(crate) fn sympy(answer: &SymbolicRelations) -> String {
         );
     }
     text + "}\n"
-}
-
-fn define(names: &[&str], options: &str) -> String {
-    let lines = names
-        .iter()
-        .map(|name| format!("{name} = symbols(\"{name}\"{options})\n"));
-    lines.collect()
 }
