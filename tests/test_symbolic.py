@@ -111,8 +111,9 @@ def test_numpy_code_gives_the_packages_numbers(name: str) -> None:
 @pytest.mark.parametrize("name", ROBOTS)
 def test_a_compiled_regressor_is_the_regressor(name: str, model: rv.Model) -> None:
     base = rv.load(name).base_parameters(model=model)
-    compiled = base.compile()
+    compiled = base.compile(compiler=True)
     q, qd, qdd = states(base.robot.n)
+    assert base.compile(compiler=False).compiled is False
     expected = base.regressor(q, qd, qdd)
     out = np.empty_like(expected)
     assert compiled(q, qd, qdd, out=out) is out
@@ -135,7 +136,7 @@ expression = "0.2*cos(q.crank) + sqrt(0.03 - 0.04*sin(q.crank)*sin(q.crank))"
 
 def test_a_compiled_regressor_follows_expressions_as_far_as_they_have_values() -> None:
     base = rv.Robot.from_toml(SLIDER).base_parameters()
-    compiled = base.compile()
+    compiled = base.compile(compiler=True)
     q, qd, qdd = 0.1 * states(1)
     expected = base.regressor(q, qd, qdd)
     assert np.abs(compiled(q, qd, qdd) - expected).max() < TOLERANCE
