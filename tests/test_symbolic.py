@@ -35,6 +35,26 @@ def test_relations_of_the_puma_are_table_v() -> None:
     assert symbolic.origins["YY_4"] == "rule: mass along a revolute joint's axis"
 
 
+def test_the_rules_alone_leave_what_the_numerical_method_then_reduces() -> None:
+    puma, sr400 = rv.load("puma560"), rv.load("sr400")
+    whole, rules = puma.base_parameters().relations_symbolic(), puma.closed_form_rules()
+    assert dict(rules) == dict(whole)
+    assert rules.left_over == ()
+    assert rules.made_by["ZZ_1"] == (
+        "rule: a rotor turns (slides) as its link does",
+        "rule: mass along a revolute joint's axis",
+    )
+    left = sr400.closed_form_rules()
+    base = sr400.base_parameters()
+    assert left.rank - len(left.left_over) == base.rank
+    assert not set(left.left_over) & set(base.base)
+    elimination = "elimination, where the rules end"
+    origins = base.relations_symbolic().origins
+    assert {label for label, origin in origins.items() if origin == elimination} == set(
+        left.left_over
+    )
+
+
 @pytest.mark.parametrize("name", [*ROBOTS, "sr400"])
 def test_sympy_reads_the_relations_and_gives_beta(name: str) -> None:
     pytest.importorskip("sympy")
@@ -50,6 +70,20 @@ def test_sympy_reads_the_relations_and_gives_beta(name: str) -> None:
         for other, coefficient in base.relations[label].items():
             symbol = next(s for s in given.free_symbols if s.name == other)
             assert float(given.coeff(symbol)) == pytest.approx(coefficient, abs=TOLERANCE)
+
+
+def test_constants_may_have_names_that_mean_something_to_python() -> None:
+    sympy = pytest.importorskip("sympy")
+    text = rv.load("two_link").to_toml()
+    assert "L1" in text
+    for name in ("lambda", "M_2", "cos", "E"):
+        robot = rv.Robot.from_toml(text.replace("L1", name))
+        symbolic = robot.base_parameters().relations_symbolic()
+        scope: dict[str, Any] = {}
+        exec(symbolic.sympy_source(), scope)
+        length = sympy.Symbol(name, real=True)
+        for relations in (scope["relations"], symbolic.to_sympy()):
+            assert relations["MX_1"].coeff(length).free_symbols
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -77,13 +111,45 @@ def test_numpy_code_gives_the_packages_numbers(name: str) -> None:
 @pytest.mark.parametrize("name", ROBOTS)
 def test_a_compiled_regressor_is_the_regressor(name: str, model: rv.Model) -> None:
     base = rv.load(name).base_parameters(model=model)
-    compiled = base.compile()
+    compiled = base.compile(compiler=True)
     q, qd, qdd = states(base.robot.n)
+    assert base.compile(compiler=False).compiled is False
     expected = base.regressor(q, qd, qdd)
     out = np.empty_like(expected)
     assert compiled(q, qd, qdd, out=out) is out
     assert np.abs(out - expected).max() < TOLERANCE * max(1, np.abs(expected).max())
     assert np.array_equal(compiled(q[3], qd[3], qdd[3]), out[3])
+
+
+SLIDER = """
+name = "slider crank"
+gravity = [0, -9.81, 0]
+link = [
+    { name = "crank", alpha = 0, d = 0, r = 0 },
+    { name = "slide", joint = "prismatic", antecedent = "base", alpha = "pi/2", d = 0, theta = 0 },
+]
+[[couple]]
+joint = "slide"
+expression = "0.2*cos(q.crank) + sqrt(0.03 - 0.04*sin(q.crank)*sin(q.crank))"
+"""
+
+
+def test_a_compiled_regressor_follows_expressions_as_far_as_they_have_values() -> None:
+    base = rv.Robot.from_toml(SLIDER).base_parameters()
+    compiled = base.compile(compiler=True)
+    q, qd, qdd = 0.1 * states(1)
+    expected = base.regressor(q, qd, qdd)
+    assert np.abs(compiled(q, qd, qdd) - expected).max() < TOLERANCE
+    q[7] = np.pi / 2
+    with pytest.raises(rv.RobervalError, match="slide"):
+        compiled(q, qd, qdd)
+
+
+def test_a_compiled_regressor_of_a_floating_base_is_the_regressor() -> None:
+    base = rv.load("two_link", floating=True).base_parameters()
+    q, qd, qdd = np.ones((1, base.robot.nq)), *np.ones((2, 1, base.robot.n))
+    q[:, 3:7] = 0.5
+    assert np.array_equal(base.compile()(q, qd, qdd), base.regressor(q, qd, qdd))
 
 
 def test_without_a_compiler_the_package_does_the_work(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import tempfile
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,10 +18,13 @@ import numpy.typing as npt
 
 from . import _core, arrays, files
 from .arrays import Array
-from .errors import ArrayError
+from .errors import ArrayError, RobervalError
 
 if TYPE_CHECKING:
     from .base import BaseParameters
+
+TRIAL_STATES, TRIAL_ROUNDS = 100, 20
+"""What `Compiled` is timed on when it is made: a millisecond."""
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared")
 
@@ -96,18 +100,33 @@ class Compiled:
     Made by `BaseParameters.compile`.
     """
 
-    __slots__ = ("_base", "_call", "_shape")
+    __slots__ = ("_base", "_call", "_may_fail", "_shape")
 
-    def __init__(self, base: BaseParameters) -> None:
+    def __init__(self, base: BaseParameters, *, compiler: bool | None) -> None:
         self._base = base
-        code = base.code("c", "energy" if base.model == "h" else "regressor")
-        self._shape = code.shape
-        self._call = _machine_code(code)
+        self._call = None
+        self._shape: tuple[int, ...] = ()
+        # Where couples by expressions have no value, as a root of a negative number.
+        self._may_fail = any(couple.expression for couple in base.robot.couples)
+        if compiler is not False and base.robot.nq == base.robot.n:  # else the base floats
+            code = base.code("c", "energy" if base.model == "h" else "regressor")
+            self._shape = code.shape
+            self._call = _machine_code(code)
+        if compiler is None and self._call is not None and not self._is_faster():
+            self._call = None
 
     @property
     def compiled(self) -> bool:
-        """Whether a C compiler was found; without one the package's own kernels work."""
+        """Whether machine code from a C compiler works, or else the package's own kernels."""
         return self._call is not None
+
+    def _is_faster(self) -> bool:
+        """Whether the machine code beats the kernels on a few states, best of some rounds."""
+        state = np.full((TRIAL_STATES, self._base.robot.n), 0.1)
+        try:
+            return _seconds(self, state) < _seconds(self._base.regressor, state)
+        except RobervalError:  # couples without a value there
+            return False
 
     def __call__(
         self,
@@ -131,7 +150,20 @@ class Compiled:
                 raise ArrayError(f"{name} has numbers that are not finite")
         pointers = [array.ctypes.data_as(ctypes.c_void_p) for array in (*used, out)]
         self._call(len(states.q), *pointers)
+        if self._may_fail and not np.isfinite(out).all():
+            return base.regressor(q, qd, qdd, out=out)  # says what has no value
         return out
+
+
+def _seconds(work: Callable[..., Array], state: Array) -> float:
+    """Return the time of the fastest call."""
+    out = work(state, state, state)
+    times = []
+    for _ in range(TRIAL_ROUNDS):
+        start = time.perf_counter()
+        work(state, state, state, out=out)
+        times.append(time.perf_counter() - start)
+    return min(times)
 
 
 def _machine_code(code: Code) -> Callable[..., None] | None:

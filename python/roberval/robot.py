@@ -17,6 +17,7 @@ from .description import Description, Link
 from .errors import OptionError, RobervalError, RobotWarning, ShapeError
 from .options import Choice, Engine, Model, Number, Reading, Snap, options, reading
 from .scaling import Scaling, scaling_options
+from .symbolic import SymbolicRelations
 
 if TYPE_CHECKING:
     from .importers import Text
@@ -555,6 +556,28 @@ class Robot(Description):
         """
         asked = scaling_options(model, seed, rows, target, starts, rounds, weights)
         return Scaling._of(model, self._labels, self._inner.scale(asked))
+
+    def closed_form_rules(self, *, name_lengths: bool = False) -> SymbolicRelations:
+        """Return what the closed-form rules of Gautier and Khalil alone say, in symbols.
+
+        They need no regressor. On most chains and trees they leave the base parameters; what
+        the numerical method still removes of what they leave is `SymbolicRelations.left_over`.
+
+        Parameters
+        ----------
+        name_lengths : bool
+            Give names to all lengths that have none.
+
+        Examples
+        --------
+        >>> import roberval as rv
+        >>> rules = rv.load("puma560").closed_form_rules()
+        >>> rules.rank, rules.left_over
+        (40, ())
+        >>> rules.made_by["XX_6"]
+        ("rule: mass along a revolute joint's axis",)
+        """
+        return SymbolicRelations._of(self._inner.rules(name_lengths))
 
     def compare(
         self,

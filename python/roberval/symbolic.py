@@ -18,7 +18,8 @@ class SymbolicRelations(Rendered, Mapping[str, str]):
     ``symbolic["XX_2"]`` is ``"XX_2 - YY_2 - D3^2 (M_3 + M_4 + M_5 + M_6)"``. They hold for
     generic values of the symbols; `special` tells where the given values are not. Immutable.
 
-    Made by `BaseParameters.relations_symbolic`.
+    Made by `BaseParameters.relations_symbolic`, and by `Robot.closed_form_rules` for what the
+    closed-form rules alone say.
     """
 
     __slots__ = ("_content",)
@@ -27,7 +28,8 @@ class SymbolicRelations(Rendered, Mapping[str, str]):
     _content: dict[str, Any]
 
     def __init__(self) -> None:
-        raise TypeError("make SymbolicRelations with BaseParameters.relations_symbolic")
+        made = "BaseParameters.relations_symbolic or Robot.closed_form_rules"
+        raise TypeError(f"make SymbolicRelations with {made}")
 
     @classmethod
     def _of(cls, core: _core.Symbolic) -> SymbolicRelations:
@@ -51,7 +53,10 @@ class SymbolicRelations(Rendered, Mapping[str, str]):
 
     @property
     def rank(self) -> int:
-        """The number of base parameters for generic values of the symbols."""
+        """The number of base parameters for generic values of the symbols.
+
+        For the rules alone, the number of parameters that they leave.
+        """
         rank: int = self._content["rank"]
         return rank
 
@@ -70,6 +75,17 @@ class SymbolicRelations(Rendered, Mapping[str, str]):
     def origins(self) -> Mapping[str, str]:
         """The rule or elimination that removes each parameter which is not kept."""
         return MappingProxyType(self._content["origins"])
+
+    @property
+    def made_by(self) -> Mapping[str, tuple[str, ...]]:
+        """The rules or elimination that each relation comes from."""
+        relations = self._content["relations"].items()
+        return MappingProxyType({label: tuple(forms["made_by"]) for label, forms in relations})
+
+    @property
+    def left_over(self) -> tuple[str, ...]:
+        """The parameters that the numerical method removes of those that the rules leave."""
+        return tuple(self._content["left_over"])
 
     @property
     def special(self) -> tuple[tuple[tuple[str, ...], int], ...]:
@@ -98,7 +114,8 @@ class SymbolicRelations(Rendered, Mapping[str, str]):
             import sympy  # type: ignore[import-untyped,import-not-found,unused-ignore]
         except ImportError:
             raise MissingPackageError("to_sympy needs SymPy: pip install sympy") from None
-        real = {name: sympy.Symbol(name, real=True) for name in self.symbols}
+        symbols = self._content["symbols"]
+        real = {s["sympy"]: sympy.Symbol(s["name"], real=True) for s in symbols}
         names = self._content["sympy_names"].values()
         scope = {name: sympy.Symbol(name) for name in names} | real
         relations = self._content["relations"].items()

@@ -226,11 +226,15 @@ pub(crate) struct BaseArgs {
     /// none all lengths get names (d3, r4, x5)
     #[arg(long)]
     pub symbolic: bool,
-    /// With --symbolic: give names to all lengths that have none
-    #[arg(long, requires = "symbolic")]
+    /// The closed-form rules of Gautier and Khalil alone, in symbols: what they leave, and
+    /// what the numerical method still removes of that
+    #[arg(long)]
+    pub rules: bool,
+    /// With --symbolic or --rules: give names to all lengths that have none
+    #[arg(long)]
     pub name_lengths: bool,
-    /// With --symbolic: write the relations also as a Python module for SymPy
-    #[arg(long, requires = "symbolic", value_name = "FILE")]
+    /// With --symbolic or --rules: write the relations also as a Python module for SymPy
+    #[arg(long, value_name = "FILE")]
     pub sympy: Option<PathBuf>,
     #[command(flatten)]
     pub output: OutputArgs,

@@ -8,7 +8,7 @@ use clap::CommandFactory;
 use roberval_base::{Choice, ScalingOptions, base_parameters};
 use roberval_formats::{catalogue, clean_file};
 use roberval_mechanism::{CleanMode, Mechanism};
-use roberval_symbolic::{Naming, SymbolicOptions, symbolic_relations};
+use roberval_symbolic::{Naming, Route, SymbolicOptions, symbolic_relations};
 use roberval_tables::{self as tables, Format, RobotEntry};
 
 use crate::arguments::{
@@ -83,8 +83,12 @@ fn base(
     err: &mut dyn Write,
     look: Look,
 ) -> Result<i32, CliError> {
-    if args.symbolic {
+    if args.symbolic || args.rules {
         return symbolic(args, out, err, look);
+    }
+    if args.name_lengths || args.sympy.is_some() {
+        let what = "--name-lengths and --sympy go with --symbolic or --rules".to_owned();
+        return Err(CliError::Usage(what));
     }
     let options = args.method.options(&args.choice)?;
     let certificate = beside("--certificate", args.certificate.as_deref())?;
@@ -120,7 +124,8 @@ fn symbolic(
     look: Look,
 ) -> Result<i32, CliError> {
     if args.certificate.is_some() || args.report.is_some() {
-        let what = "--certificate and --report are written without --symbolic".to_owned();
+        let what =
+            "--certificate and --report are written without --symbolic and --rules".to_owned();
         return Err(CliError::Usage(what));
     }
     let options = args.method.options(&args.choice)?;
@@ -136,6 +141,10 @@ fn symbolic(
                 .map(|d| d.order),
         };
         let options = SymbolicOptions {
+            route: match args.rules {
+                true => Route::RulesAlone,
+                false => Route::Whole,
+            },
             model: options.model,
             naming: match args.name_lengths {
                 true => Naming::All,

@@ -96,6 +96,21 @@ fn the_cost_of_standard_and_reduced_model_stands_side_by_side() {
 }
 
 #[test]
+fn the_rules_alone_tell_what_they_leave_and_which_rule_made_each_relation() {
+    let puma = roberval(&["base", "puma560", "--rules"]);
+    assert!(
+        puma.out.contains("leave 40 of 66 parameters"),
+        "{}",
+        puma.out
+    );
+    assert!(puma.out.contains("XXR_6 = XX_6 - YY_6 [d]"), "{}", puma.out);
+    assert!(puma.out.contains("[d] rule: mass along"), "{}", puma.out);
+    let sr400 = roberval(&["base", "sr400", "--rules"]);
+    assert!(sr400.out.contains("removes 11 ("), "{}", sr400.out);
+    assert!(sr400.out.contains("42 are base"), "{}", sr400.out);
+}
+
+#[test]
 fn bad_requests_are_told() {
     for (args, message) in [
         (&["code", "puma560", "--lang", "cobol"][..], "cobol"),

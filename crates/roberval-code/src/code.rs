@@ -28,9 +28,6 @@ pub enum CodeError {
     /// The base floats.
     #[error("code is written for a base that stands still, not for one that floats")]
     Floating,
-    /// Joints follow others by expressions.
-    #[error("code is written for couples by multipliers, not by expressions")]
-    Expressions,
 }
 
 /// Straight-line code of one model of a robot.
@@ -67,9 +64,6 @@ impl Code {
         let what = request.what;
         if request.friction && what != What::Tau {
             return Err(CodeError::Friction(what));
-        }
-        if mechanism.assembly.is_none() && !mechanism.is_affine() {
-            return Err(CodeError::Expressions);
         }
         if mechanism.is_floating() {
             return Err(CodeError::Floating);

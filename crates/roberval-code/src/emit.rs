@@ -139,10 +139,11 @@ impl Code {
     /// What the reader of the code needs to know, a line each.
     fn notes(&self, language: Language, hash: &str) -> Vec<String> {
         let (count, once) = (self.count(), self.count_once());
+        let hash: String = hash.chars().filter(char::is_ascii_alphanumeric).collect();
         let mut notes = vec![
             format!("{} of the robot {}", self.title(), plain(&self.robot)),
             format!("made by roberval {}", env!("CARGO_PKG_VERSION")),
-            format!("robot sha256 {}", plain(hash)),
+            format!("robot sha256 {hash}"),
             format!(
                 "{} multiplications, {} additions, {} sines and cosines a state",
                 count.mul, count.add, count.trig
@@ -228,5 +229,5 @@ fn statements(
         Input::Parameter(k) => frame.constant_element("x", k),
         Input::Prepared(k) => frame.constant_element("k", k),
     };
-    expression::statements(program, (frame.times(), frame.sign()), input)
+    expression::statements(program, &frame.words(), input)
 }

@@ -2,9 +2,9 @@
 
 use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use roberval_scalar::Scalar;
+use roberval_scalar::{Analytic, Scalar};
 
 /// What a node computes. Operands are earlier nodes; signs are kept beside the nodes
 /// ([`Signed`]), so that x - y and y - x, (-x) y and x y are one node each.
@@ -26,6 +26,12 @@ pub enum Op {
     Sub(u32, u32),
     /// x y
     Mul(u32, u32),
+    /// x / y
+    Div(u32, u32),
+    /// The square root of a node.
+    Sqrt(u32),
+    /// The angle of the point (x, y), given as y, x.
+    Atan2(u32, u32),
 }
 
 impl Op {
@@ -33,10 +39,31 @@ impl Op {
     pub fn operands(self) -> impl Iterator<Item = u32> {
         let (a, b) = match self {
             Self::Constant(_) | Self::Input(_) => (None, None),
-            Self::Cos(x) | Self::Sin(x) | Self::Sign(x) => (Some(x), None),
-            Self::Add(x, y) | Self::Sub(x, y) | Self::Mul(x, y) => (Some(x), Some(y)),
+            Self::Cos(x) | Self::Sin(x) | Self::Sign(x) | Self::Sqrt(x) => (Some(x), None),
+            Self::Add(x, y)
+            | Self::Sub(x, y)
+            | Self::Mul(x, y)
+            | Self::Div(x, y)
+            | Self::Atan2(x, y) => (Some(x), Some(y)),
         };
         a.into_iter().chain(b)
+    }
+
+    /// The same on other nodes.
+    #[must_use]
+    pub fn with_operands(self, new: impl Fn(u32) -> u32) -> Self {
+        match self {
+            Self::Constant(_) | Self::Input(_) => self,
+            Self::Cos(x) => Self::Cos(new(x)),
+            Self::Sin(x) => Self::Sin(new(x)),
+            Self::Sign(x) => Self::Sign(new(x)),
+            Self::Sqrt(x) => Self::Sqrt(new(x)),
+            Self::Add(x, y) => Self::Add(new(x), new(y)),
+            Self::Sub(x, y) => Self::Sub(new(x), new(y)),
+            Self::Mul(x, y) => Self::Mul(new(x), new(y)),
+            Self::Div(x, y) => Self::Div(new(x), new(y)),
+            Self::Atan2(x, y) => Self::Atan2(new(x), new(y)),
+        }
     }
 }
 
@@ -215,6 +242,42 @@ impl Graph {
     }
 }
 
+impl Graph {
+    /// x / y, folded.
+    pub fn div(&self, x: Signed, y: Signed) -> Signed {
+        match (self.value(x), self.value(y)) {
+            (Some(0.0), _) => return x,
+            (_, Some(b)) if b != 0.0 => return self.mul(self.constant(1.0 / b), x),
+            _ => {}
+        }
+        Signed::plus(self.node(Op::Div(x.node, y.node))).times(x.negative != y.negative)
+    }
+
+    /// The square root of x.
+    pub fn sqrt(&self, x: Signed) -> Signed {
+        match self.value(x) {
+            Some(value) if value >= 0.0 => self.constant(value.sqrt()),
+            _ => Signed::plus(self.node(Op::Sqrt(self.unsigned(x)))),
+        }
+    }
+
+    /// The angle of the point (x, y).
+    pub fn atan2(&self, y: Signed, x: Signed) -> Signed {
+        match (self.value(y), self.value(x)) {
+            (Some(y), Some(x)) => self.constant(y.atan2(x)),
+            _ => Signed::plus(self.node(Op::Atan2(y.node, self.unsigned(x)))).times(y.negative),
+        }
+    }
+
+    /// A node that is x, its sign included.
+    fn unsigned(&self, x: Signed) -> u32 {
+        match x.negative {
+            true => self.node(Op::Sub(self.constant(0.0).node, x.node)),
+            false => x.node,
+        }
+    }
+}
+
 /// A node in the recursion's arithmetic: what is computed with it is written down.
 #[derive(Debug, Clone, Copy)]
 pub struct Recorded<'g> {
@@ -289,6 +352,16 @@ impl Mul for Recorded<'_> {
     }
 }
 
+impl Div for Recorded<'_> {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        Self {
+            at: self.graph.div(self.at, other.at),
+            ..self
+        }
+    }
+}
+
 impl Neg for Recorded<'_> {
     type Output = Self;
     fn neg(self) -> Self {
@@ -300,3 +373,27 @@ impl Neg for Recorded<'_> {
 }
 
 impl Scalar for Recorded<'_> {}
+
+impl Analytic for Recorded<'_> {
+    fn beside(self, x: f64) -> Self {
+        Self::constant(self.graph, x)
+    }
+
+    fn cos_sin(self) -> (Self, Self) {
+        (self.cos(), self.sin())
+    }
+
+    fn sqrt(self) -> Self {
+        Self {
+            at: self.graph.sqrt(self.at),
+            ..self
+        }
+    }
+
+    fn atan2(self, x: Self) -> Self {
+        Self {
+            at: self.graph.atan2(self.at, x.at),
+            ..self
+        }
+    }
+}

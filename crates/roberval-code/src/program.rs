@@ -5,20 +5,20 @@ use crate::graph::{Graph, Op, Signed};
 /// Operations of a program or of a part of it. Changes of sign are not counted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Count {
-    /// Multiplications.
+    /// Multiplications, and divisions where expressions of joints have them.
     pub mul: usize,
     /// Additions and subtractions.
     pub add: usize,
-    /// Sines and cosines.
+    /// Sines and cosines; roots and angles of points where expressions have them.
     pub trig: usize,
 }
 
 impl Count {
     fn take(&mut self, op: Op) {
         match op {
-            Op::Mul(..) => self.mul += 1,
+            Op::Mul(..) | Op::Div(..) => self.mul += 1,
             Op::Add(..) | Op::Sub(..) => self.add += 1,
-            Op::Cos(_) | Op::Sin(_) => self.trig += 1,
+            Op::Cos(_) | Op::Sin(_) | Op::Sqrt(_) | Op::Atan2(..) => self.trig += 1,
             Op::Constant(_) | Op::Input(_) | Op::Sign(_) => {}
         }
     }
@@ -102,15 +102,7 @@ impl Program {
         for (at, op) in self.nodes.iter().enumerate().filter(|(at, _)| needed[*at]) {
             place[at] = kept.nodes.len() as u32;
             let new = |x: u32| place[x as usize];
-            kept.nodes.push(match *op {
-                Op::Constant(_) | Op::Input(_) => *op,
-                Op::Cos(x) => Op::Cos(new(x)),
-                Op::Sin(x) => Op::Sin(new(x)),
-                Op::Sign(x) => Op::Sign(new(x)),
-                Op::Add(x, y) => Op::Add(new(x), new(y)),
-                Op::Sub(x, y) => Op::Sub(new(x), new(y)),
-                Op::Mul(x, y) => Op::Mul(new(x), new(y)),
-            });
+            kept.nodes.push(op.with_operands(new));
             kept.links.push(self.links[at]);
         }
         for output in &mut kept.outputs {
@@ -228,6 +220,9 @@ impl Program {
                 Op::Add(x, y) => at(x) + at(y),
                 Op::Sub(x, y) => at(x) - at(y),
                 Op::Mul(x, y) => at(x) * at(y),
+                Op::Div(x, y) => at(x) / at(y),
+                Op::Sqrt(x) => at(x).sqrt(),
+                Op::Atan2(y, x) => at(y).atan2(at(x)),
             });
         }
         let value = |x: &Signed| match x.negative {

@@ -2,11 +2,12 @@
 
 use std::str::FromStr;
 
-use roberval_mechanism::{JointKind, Mechanism, ParameterSpace, VariableLaw};
+use roberval_mechanism::{AffineLaw, JointKind, Mechanism, ParameterSpace, VariableLaw};
 use roberval_regressor::{
     Body, DynamicsWorkspace, EnergyWorkspace, JointMotion, Projected, SelectedRows, Shape,
     Transmission, Tree, dynamics, energy, newton_euler,
 };
+use roberval_scalar::Jet;
 
 use crate::graph::{Graph, Recorded};
 use crate::program::{Input, Program};
@@ -141,11 +142,9 @@ struct Recorder<'g> {
     shapes: Vec<Shape>,
     /// G: the joint variables that each independent coordinate moves.
     transmission: Transmission<Recorded<'g>>,
-    /// The joint variables where the independent ones are 0; `None` if loops determine
-    /// them: then the code takes them all, and G.
-    offsets: Option<Vec<f64>>,
-    /// The coordinates that the code takes: the independent ones, or all.
-    taken: usize,
+    /// How each joint variable moves: by the independent coordinates; if loops determine
+    /// them, the code takes them all, and G.
+    joints: Vec<Jet<Recorded<'g>>>,
     /// Number of independent coordinates m.
     independent: usize,
     /// Whether mass moves between bodies as no motion can tell.
@@ -163,15 +162,13 @@ impl<'g> Recorder<'g> {
         let tree = Tree::of(mechanism);
         let shapes = Shape::of(&tree);
         let tree = tree.map(|x| Recorded::constant(graph, x));
-        let loops = mechanism.assembly.is_some();
-        let taken = match loops {
-            true => mechanism.dof(),
-            false => mechanism.independent(),
-        };
-        let mut inputs: Vec<Input> = (0..taken).map(Input::Q).collect();
-        inputs.extend((0..taken).map(Input::Qd));
-        inputs.extend((0..taken).map(Input::Qdd));
-        let (rows, offsets) = laws(graph, mechanism, &mut inputs);
+        let (joints, mut inputs) = joints(graph, mechanism);
+        let rows = joints.iter().map(|joint| {
+            let row = joint.gradient.iter().copied().enumerate();
+            let acts = row.filter(|(_, g)| graph.value(g.at) != Some(0.0));
+            acts.collect()
+        });
+        let transmission = Transmission::from_rows(rows);
         let mut x = vec![tree.constants.zero; space.len()];
         for (place, &column) in columns.iter().enumerate() {
             x[column] = Recorded::input(graph, inputs.len());
@@ -181,9 +178,8 @@ impl<'g> Recorder<'g> {
             graph,
             tree,
             shapes,
-            transmission: Transmission::from_rows(rows),
-            offsets: (!loops).then_some(offsets),
-            taken,
+            transmission,
+            joints,
             independent: mechanism.independent(),
             regroup,
             space,
@@ -197,32 +193,6 @@ impl<'g> Recorder<'g> {
     fn transmitted(&self, i: usize, rate: impl Fn(usize) -> Recorded<'g>) -> Recorded<'g> {
         let terms = self.transmission.row(i).map(|(place, g)| g * rate(place));
         terms.fold(self.zero(), |sum, term| sum + term)
-    }
-
-    fn q(&self, i: usize) -> Recorded<'g> {
-        let input = |k: usize| Recorded::input(self.graph, k);
-        match &self.offsets {
-            None => input(i),
-            Some(offsets) => {
-                self.transmitted(i, input) + Recorded::constant(self.graph, offsets[i])
-            }
-        }
-    }
-
-    fn qd(&self, i: usize) -> Recorded<'g> {
-        let input = |k: usize| Recorded::input(self.graph, self.taken + k);
-        match &self.offsets {
-            None => input(i),
-            Some(_) => self.transmitted(i, input),
-        }
-    }
-
-    fn qdd(&self, i: usize) -> Recorded<'g> {
-        let input = |k: usize| Recorded::input(self.graph, 2 * self.taken + k);
-        match &self.offsets {
-            None => input(i),
-            Some(_) => self.transmitted(i, input),
-        }
     }
 
     /// How the bodies move; velocities and accelerations of the joint variables as given.
@@ -243,7 +213,7 @@ impl<'g> Recorder<'g> {
                 qdd: zero,
             };
             let Some(i) = body.variable else { return still };
-            let q = self.q(i);
+            let q = self.joints[i].value;
             let moving = JointMotion {
                 qd: qd(i),
                 qdd: qdd(i),
@@ -293,13 +263,14 @@ impl<'g> Recorder<'g> {
     }
 
     fn tau(&mut self, friction: bool) -> Vec<Recorded<'g>> {
-        let mut tau = self.newton_euler(&self.motion(|i| self.qd(i), |i| self.qdd(i)));
+        let mut tau =
+            self.newton_euler(&self.motion(|i| self.joints[i].rate, |i| self.joints[i].second));
         let moving: Vec<usize> = (0..self.tree.bodies.len())
             .filter(|&j| friction && self.tree.bodies[j].variable.is_some())
             .collect();
         for (i, j) in moving.into_iter().enumerate() {
             self.graph.set_link(j);
-            let qd = self.qd(i);
+            let qd = self.joints[i].rate;
             let first = self.inputs.len();
             let [fv, fc] = [first, first + 1].map(|at| Recorded::input(self.graph, at));
             let place = self.width + 2 * i;
@@ -334,7 +305,7 @@ impl<'g> Recorder<'g> {
     }
 
     fn regressor(&mut self, columns: &[usize]) -> Vec<Recorded<'g>> {
-        let motion = self.motion(|i| self.qd(i), |i| self.qdd(i));
+        let motion = self.motion(|i| self.joints[i].rate, |i| self.joints[i].second);
         self.rows(columns, self.independent, |tree, sink| {
             let mut sink = Projected {
                 transmission: &self.transmission,
@@ -345,7 +316,7 @@ impl<'g> Recorder<'g> {
     }
 
     fn energy(&mut self, columns: &[usize]) -> Vec<Recorded<'g>> {
-        let motion = self.motion(|i| self.qd(i), |_| self.zero());
+        let motion = self.motion(|i| self.joints[i].rate, |_| self.zero());
         self.rows(columns, 1, |tree, sink| {
             energy(tree, &motion, &mut EnergyWorkspace::new(tree), sink);
         })
@@ -373,36 +344,63 @@ impl<'g> Recorder<'g> {
     }
 }
 
-/// A row of G: places in qa and what they do.
-type Row<'g> = Vec<(usize, Recorded<'g>)>;
-
-/// The law of each joint variable: its row of G, and where it stands when the independent
-/// coordinates are 0. Where loops determine a variable, its row is taken as inputs.
-fn laws<'g>(
-    graph: &'g Graph,
-    mechanism: &Mechanism,
-    inputs: &mut Vec<Input>,
-) -> (Vec<Row<'g>>, Vec<f64>) {
-    let number = |x: f64| Recorded::constant(graph, x);
-    let Some(closure) = &mechanism.closure else {
-        let law = |i: usize| (vec![(i, number(1.0))], 0.0);
-        return (0..mechanism.dof()).map(law).unzip();
-    };
+/// How each joint variable moves, and the inputs by which it does: the independent
+/// coordinates, or all variables and G where loops determine them.
+fn joints<'g>(graph: &'g Graph, mechanism: &Mechanism) -> (Vec<Jet<Recorded<'g>>>, Vec<Input>) {
     let loops = mechanism.assembly.is_some();
-    let law = |(i, law): (usize, &VariableLaw)| match law {
-        VariableLaw::Independent(place) => (vec![(*place, number(1.0))], 0.0),
-        VariableLaw::Affine(law) if !loops => {
-            let terms = law.terms.iter().map(|(place, g)| (*place, number(g.value)));
-            (terms.collect(), law.offset.value)
-        }
-        // Expressions are refused before.
-        VariableLaw::Affine(_) | VariableLaw::Implicit | VariableLaw::Formula(_) => {
-            let row = (0..closure.independent.len()).map(|k| {
-                inputs.push(Input::G(i, k));
-                (k, Recorded::input(graph, inputs.len() - 1))
-            });
-            (row.collect(), 0.0)
-        }
+    let (n, m) = (mechanism.dof(), mechanism.independent());
+    let taken = if loops { n } else { m };
+    let mut inputs: Vec<Input> = (0..taken).map(Input::Q).collect();
+    inputs.extend((0..taken).map(Input::Qd));
+    inputs.extend((0..taken).map(Input::Qdd));
+    let number = |x: f64| Recorded::constant(graph, x);
+    let moving = |k: usize, gradient| Jet {
+        value: Recorded::input(graph, k),
+        rate: Recorded::input(graph, taken + k),
+        second: Recorded::input(graph, 2 * taken + k),
+        gradient,
     };
-    closure.laws.iter().enumerate().map(law).unzip()
+    let unit = |k: usize| -> Vec<_> {
+        let entry = |i: usize| number(if i == k { 1.0 } else { 0.0 });
+        (0..m).map(entry).collect()
+    };
+    let coordinates: Vec<_> = (0..m).map(|k| moving(k, unit(k))).collect();
+    let Some(closure) = &mechanism.closure else {
+        return (coordinates, inputs);
+    };
+    let mut joints: Vec<_> = Vec::with_capacity(n);
+    for (i, law) in closure.laws.iter().enumerate() {
+        joints.push(match law {
+            VariableLaw::Independent(place) if loops => moving(i, unit(*place)),
+            VariableLaw::Independent(place) => coordinates[*place].clone(),
+            VariableLaw::Affine(law) if !loops => sum(&coordinates, law, &number),
+            // Joints that follow by expressions come below.
+            VariableLaw::Formula(_) => Jet::constant(number(0.0), m),
+            VariableLaw::Affine(_) | VariableLaw::Implicit => {
+                let first = inputs.len();
+                inputs.extend((0..m).map(|k| Input::G(i, k)));
+                let row = (first..inputs.len()).map(|at| Recorded::input(graph, at));
+                moving(i, row.collect())
+            }
+        });
+    }
+    for &i in &closure.formulas {
+        if let VariableLaw::Formula(formula) = &closure.laws[i] {
+            joints[i] = formula.jet(&joints, &|x| number(x.value), m);
+        }
+    }
+    (joints, inputs)
+}
+
+/// The sum of multiples that a law says.
+fn sum<'g>(
+    coordinates: &[Jet<Recorded<'g>>],
+    law: &AffineLaw,
+    number: &impl Fn(f64) -> Recorded<'g>,
+) -> Jet<Recorded<'g>> {
+    let offset = Jet::constant(number(law.offset.value), coordinates.len());
+    let terms = law.terms.iter();
+    terms.fold(offset, |sum, (place, factor)| {
+        sum.combined(number(1.0), &coordinates[*place], number(factor.value))
+    })
 }

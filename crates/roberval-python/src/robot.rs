@@ -18,6 +18,7 @@ use crate::errors::IntoPython;
 use crate::options::{self, OptionArguments, Reading, rendering};
 use crate::scaling::{self, Scaling, ScalingArguments};
 use crate::states::{OwnedStates, vector};
+use crate::symbols::Symbolic;
 
 /// A robot, immutable.
 #[pyclass(frozen, module = "roberval._core")]
@@ -353,6 +354,11 @@ impl Robot {
     /// Samples that scale W.
     fn scale(&self, py: Python<'_>, options: ScalingArguments) -> PyResult<Scaling> {
         scaling::search(py, &self.mechanism, options)
+    }
+
+    /// What the closed-form rules alone say, in symbols.
+    fn rules(&self, py: Python<'_>, all: bool) -> PyResult<Symbolic> {
+        Symbolic::by_rules(py, &self.mechanism, all)
     }
 
     /// All models by all engines.

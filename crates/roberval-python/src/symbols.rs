@@ -5,7 +5,8 @@ use std::str::FromStr;
 use pyo3::prelude::*;
 use roberval_base::{BaseParameters, Choice, robot_sha256};
 use roberval_code::{Code, Language, Request, What};
-use roberval_symbolic::{Naming, SymbolicOptions, SymbolicRelations, symbolic_relations};
+use roberval_mechanism::Mechanism;
+use roberval_symbolic::{Naming, Route, SymbolicOptions, SymbolicRelations, symbolic_relations};
 use roberval_tables::{self as tables};
 
 use crate::calls::detached;
@@ -27,15 +28,31 @@ impl Symbolic {
         };
         let options = SymbolicOptions {
             model: answer.model,
-            naming: match all {
-                true => Naming::All,
-                false => Naming::Auto,
-            },
+            naming: naming(all),
             order,
             seed: answer.seed,
+            ..SymbolicOptions::default()
         };
         let answer = detached(py, || symbolic_relations(&answer.mechanism, &options))?;
         Ok(Self { answer })
+    }
+
+    /// Finds those of the closed-form rules alone.
+    pub fn by_rules(py: Python<'_>, mechanism: &Mechanism, all: bool) -> PyResult<Self> {
+        let options = SymbolicOptions {
+            route: Route::RulesAlone,
+            naming: naming(all),
+            ..SymbolicOptions::default()
+        };
+        let answer = detached(py, || symbolic_relations(mechanism, &options))?;
+        Ok(Self { answer })
+    }
+}
+
+fn naming(all: bool) -> Naming {
+    match all {
+        true => Naming::All,
+        false => Naming::Auto,
     }
 }
 

@@ -56,7 +56,7 @@ impl<T: Real> Formulas<T> {
             }
         };
         let mut jets: Vec<Jet<T>> = (0..states.q.len()).map(|i| jet(i, states)).collect();
-        let value = |x: &Quantity| self.numbers.get(&x.text).copied();
+        let value = |x: &Quantity| self.numbers[&x.text];
         for (variable, formula) in &self.formulas {
             let jet = formula.jet(&jets, &value, self.independent);
             let numbers = [jet.value, jet.rate, jet.second];

@@ -35,5 +35,5 @@ pub use magnitude::Magnitude;
 pub use nearest::nearest_double;
 pub use primes::{is_prime, random_prime};
 pub use random::SplitMix64;
-pub use real::Real;
+pub use real::{Analytic, Real};
 pub use scalar::{Lift, Scalar};

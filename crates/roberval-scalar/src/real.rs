@@ -21,6 +21,37 @@ pub trait Real: Scalar + Div<Output = Self> + From<f64> {
     fn atan2(self, x: Self) -> Self;
 }
 
+/// What expressions of joint variables are computed with: numbers, or what records them.
+pub trait Analytic: Scalar + Div<Output = Self> {
+    /// This number, beside another one: constants are not made from nothing (see
+    /// [`Scalar`]).
+    fn beside(self, x: f64) -> Self;
+    /// Cosine and sine.
+    fn cos_sin(self) -> (Self, Self);
+    /// The square root.
+    fn sqrt(self) -> Self;
+    /// The angle of the point (x, self).
+    fn atan2(self, x: Self) -> Self;
+}
+
+impl<T: Real> Analytic for T {
+    fn beside(self, x: f64) -> Self {
+        x.into()
+    }
+
+    fn cos_sin(self) -> (Self, Self) {
+        Real::cos_sin(self)
+    }
+
+    fn sqrt(self) -> Self {
+        Real::sqrt(self)
+    }
+
+    fn atan2(self, x: Self) -> Self {
+        Real::atan2(self, x)
+    }
+}
+
 impl Real for f64 {
     fn of_quantity(quantity: &Quantity, _: &[(String, Quantity)]) -> Option<Self> {
         Some(quantity.value)

@@ -1,5 +1,7 @@
 //! Polynomials as an engineer would write them.
 
+mod squares;
+
 use std::collections::BTreeMap;
 
 use num_bigint::BigInt;
@@ -9,6 +11,51 @@ use num_traits::{One, Signed, Zero};
 
 use crate::polynomial::{Monomial, Polynomial, Variable};
 use crate::relations::Coefficient;
+use squares::with_squares;
+
+/// Python's keywords, and what the SymPy module defines.
+const TAKEN: [&str; 40] = [
+    "False",
+    "None",
+    "True",
+    "and",
+    "as",
+    "assert",
+    "async",
+    "await",
+    "break",
+    "class",
+    "continue",
+    "def",
+    "del",
+    "elif",
+    "else",
+    "except",
+    "finally",
+    "for",
+    "from",
+    "global",
+    "if",
+    "import",
+    "in",
+    "is",
+    "lambda",
+    "nonlocal",
+    "not",
+    "or",
+    "pass",
+    "raise",
+    "return",
+    "try",
+    "while",
+    "with",
+    "yield",
+    "Rational",
+    "cos",
+    "sin",
+    "symbols",
+    "relations",
+];
 
 /// How formulas are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -30,7 +77,16 @@ pub struct Factored {
     common: Vec<(Variable, u8)>,
     below: Vec<(Variable, u8)>,
     /// Terms with their signs, whole and without common factor; empty for 1.
-    sum: Vec<(BigInt, Vec<(Variable, u8)>)>,
+    sum: Vec<Term>,
+}
+
+/// A part of a sum.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+enum Term {
+    /// A number times powers of variables.
+    Product(BigInt, Vec<(Variable, u8)>),
+    /// A number times the square of a sum of lengths, each with its factor.
+    Square(BigInt, Vec<(BigInt, Variable)>),
 }
 
 impl Factored {
@@ -52,17 +108,17 @@ impl Factored {
             let with = variables.iter().cloned().zip(monomial.iter().copied());
             with.filter(|(_, e)| *e > 0).collect()
         };
-        let mut sum: Vec<(BigInt, Vec<(Variable, u8)>)> = polynomial
-            .terms
-            .iter()
-            .map(|(monomial, coefficient)| {
-                let rest: Monomial = monomial.iter().zip(&common).map(|(e, c)| e - c).collect();
-                let whole = (coefficient / &number).to_integer();
-                (if negative { -whole } else { whole }, named(&rest))
-            })
-            .collect();
-        sum.sort_by_key(|(coefficient, factors)| (coefficient.is_negative(), order(factors)));
-        if matches!(&sum[..], [(c, factors)] if c.is_one() && factors.is_empty()) {
+        let whole = whole_terms(&polynomial).into_iter();
+        let whole = whole.map(|(c, rest)| (if negative { -c } else { c }, rest));
+        let (squares, others) = with_squares(whole.collect());
+        let product = |(c, m): (BigInt, Monomial)| Term::Product(c, named(&m));
+        let mut sum: Vec<Term> = others.into_iter().map(product).collect();
+        sum.extend(squares.into_iter().map(|(c, lengths)| {
+            let name = |(factor, at): (BigInt, usize)| (factor, variables[at].clone());
+            Term::Square(c, lengths.into_iter().map(name).collect())
+        }));
+        sum.sort_by_key(|term| (term.coefficient().is_negative(), term.order()));
+        if matches!(&sum[..], [Term::Product(c, factors)] if c.is_one() && factors.is_empty()) {
             sum.clear();
         }
         Some(Self {
@@ -77,8 +133,12 @@ impl Factored {
     /// Whether it is 1 or -1.
     #[must_use]
     pub fn is_unit(&self) -> bool {
-        let bare = self.common.is_empty() && self.below.is_empty() && self.sum.is_empty();
-        bare && self.number.is_one()
+        self.is_number() && self.number.is_one()
+    }
+
+    /// Whether it has no variables.
+    fn is_number(&self) -> bool {
+        self.common.is_empty() && self.below.is_empty() && self.sum.is_empty()
     }
 
     /// Without its sign, as a factor of something behind it; empty for 1.
@@ -93,8 +153,10 @@ impl Factored {
             factors.push(numerator.to_string());
         }
         factors.extend(self.common.iter().map(|f| notation.power(f)));
-        if !self.sum.is_empty() {
-            factors.push(format!("({})", notation.sum(&self.sum)));
+        match &self.sum[..] {
+            [] => {}
+            [one @ Term::Square(..)] => factors.push(notation.sum(std::slice::from_ref(one))),
+            sum => factors.push(format!("({})", notation.sum(sum))),
         }
         if factors.is_empty() {
             factors.push("1".to_owned());
@@ -102,6 +164,9 @@ impl Factored {
         let mut below: Vec<String> = Vec::new();
         if !self.number.denom().is_one() {
             below.push(self.number.denom().to_string());
+        }
+        if notation == Notation::SymPy && below.len() == 1 && self.is_number() {
+            return format!("Rational({numerator}, {})", below[0]);
         }
         below.extend(self.below.iter().map(|f| notation.power(f)));
         let above = factors.join(notation.times());
@@ -114,17 +179,25 @@ impl Factored {
     }
 }
 
-/// Terms in the order of their variables' names, high powers first.
-fn order(factors: &[(Variable, u8)]) -> Vec<(String, std::cmp::Reverse<u8>)> {
-    let name = |variable: &Variable| match variable {
-        Variable::Length(name) | Variable::Cos(name) | Variable::Sin(name) => name.clone(),
-    };
-    let mut names: Vec<_> = factors
-        .iter()
-        .map(|(v, e)| (name(v), std::cmp::Reverse(*e)))
-        .collect();
-    names.sort();
-    names
+impl Term {
+    fn coefficient(&self) -> &BigInt {
+        let (Self::Product(coefficient, _) | Self::Square(coefficient, _)) = self;
+        coefficient
+    }
+
+    /// Terms go by their variables' names, high powers first.
+    fn order(&self) -> Vec<(String, std::cmp::Reverse<u8>)> {
+        let name = |variable: &Variable| match variable {
+            Variable::Length(name) | Variable::Cos(name) | Variable::Sin(name) => name.clone(),
+        };
+        let mut names: Vec<_> = match self {
+            Self::Product(_, factors) => factors.iter().map(|(v, e)| (name(v), *e)).collect(),
+            Self::Square(_, sum) => sum.iter().map(|(_, v)| (name(v), 2)).collect(),
+        };
+        names.sort();
+        let reversed = names.into_iter().map(|(n, e)| (n, std::cmp::Reverse(e)));
+        reversed.collect()
+    }
 }
 
 impl Notation {
@@ -142,12 +215,17 @@ impl Notation {
             (_, Variable::Length(name)) => self.name(name),
             (Self::Latex, Variable::Cos(name)) => format!("\\cos {}", self.name(name)),
             (Self::Latex, Variable::Sin(name)) => format!("\\sin {}", self.name(name)),
-            (_, Variable::Cos(name)) => format!("cos({name})"),
-            (_, Variable::Sin(name)) => format!("sin({name})"),
+            (_, Variable::Cos(name)) => format!("cos({})", self.name(name)),
+            (_, Variable::Sin(name)) => format!("sin({})", self.name(name)),
         }
     }
 
-    fn name(self, name: &str) -> String {
+    /// A symbol's name; for SymPy one that Python and the module leave free.
+    #[must_use]
+    pub fn name(self, name: &str) -> String {
+        if self == Self::SymPy && TAKEN.contains(&name) {
+            return format!("{name}_");
+        }
         if self != Self::Latex {
             return name.to_owned();
         }
@@ -180,39 +258,79 @@ impl Notation {
         }
     }
 
-    fn sum(self, terms: &[(BigInt, Vec<(Variable, u8)>)]) -> String {
+    fn sum(self, terms: &[Term]) -> String {
         let mut text = String::new();
-        for (at, (coefficient, factors)) in terms.iter().enumerate() {
-            text += match (at, coefficient.is_negative()) {
-                (0, false) => "",
-                (0, true) => "-",
-                (_, false) => " + ",
-                (_, true) => " - ",
+        for term in terms {
+            let coefficient = term.coefficient();
+            text += sign(text.is_empty(), coefficient.is_negative());
+            let mut pieces: Vec<String> = match term {
+                Term::Product(_, factors) => factors.iter().map(|f| self.power(f)).collect(),
+                Term::Square(_, sum) => vec![self.square(sum)],
             };
-            let mut pieces: Vec<String> = Vec::new();
-            if !coefficient.abs().is_one() || factors.is_empty() {
-                pieces.push(coefficient.abs().to_string());
+            if !coefficient.abs().is_one() || pieces.is_empty() {
+                pieces.insert(0, coefficient.abs().to_string());
             }
-            pieces.extend(factors.iter().map(|f| self.power(f)));
             text += &pieces.join(self.times());
         }
         text
     }
+
+    fn square(self, sum: &[(BigInt, Variable)]) -> String {
+        let mut text = String::new();
+        for (factor, variable) in sum {
+            text += sign(text.is_empty(), factor.is_negative());
+            if !factor.abs().is_one() {
+                text += &format!("{}{}", factor.abs(), self.times());
+            }
+            text += &self.variable(variable);
+        }
+        match self {
+            Self::Text => format!("({text})^2"),
+            Self::Latex => format!("({text})^{{2}}"),
+            Self::SymPy => format!("({text})**2"),
+        }
+    }
 }
 
-/// The polynomial, or the same with `1 - sin^2` for squares of cosines, whichever has fewer
-/// terms; angle by angle.
+/// Between the terms of a sum.
+fn sign(first: bool, negative: bool) -> &'static str {
+    match (first, negative) {
+        (true, false) => "",
+        (true, true) => "-",
+        (false, false) => " + ",
+        (false, true) => " - ",
+    }
+}
+
+/// The polynomial, or the same with `1 - sin^2` for squares of cosines, whichever is written
+/// with fewer terms; angle by angle.
 fn shortest(polynomial: &Polynomial, variables: &[Variable]) -> Polynomial {
     let mut best = polynomial.clone();
     for (at, variable) in variables.iter().enumerate() {
         if matches!(variable, Variable::Cos(_)) {
             let other = with_sines(&best, at);
-            if other.terms.len() < best.terms.len() {
+            if written_terms(&other) < written_terms(&best) {
                 best = other;
             }
         }
     }
     best
+}
+
+/// Terms, squares of sums being one.
+fn written_terms(polynomial: &Polynomial) -> usize {
+    let (squares, others) = with_squares(whole_terms(polynomial));
+    squares.len() + others.len()
+}
+
+/// The terms over their common number and monomial.
+fn whole_terms(polynomial: &Polynomial) -> Vec<(BigInt, Monomial)> {
+    let (common, number) = (common_monomial(polynomial), content(polynomial));
+    let whole = |(monomial, coefficient): (&Monomial, &BigRational)| {
+        let rest = monomial.iter().zip(&common).map(|(e, c)| e - c).collect();
+        ((coefficient / &number).to_integer(), rest)
+    };
+    polynomial.terms.iter().map(whole).collect()
 }
 
 /// Replaces `cos^2` by `1 - sin^2` as long as there is one.

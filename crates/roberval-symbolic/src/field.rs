@@ -8,7 +8,8 @@ use roberval_regressor::{AngleOrder, ExactModel, NotInField, Turn};
 use roberval_scalar::{Fp, Modulus, Quantity, SplitMix64, random_prime};
 
 use crate::naming::{Named, SymbolKind};
-use crate::rules::{Origin, removed_by_rules};
+use crate::relations::Route;
+use crate::rules::{ByRules, by_rules};
 
 /// What each symbol is: a random number of the field, or as given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,8 +19,33 @@ pub(crate) enum Value {
     Given,
 }
 
+/// The answer at values of the symbols, in a prime field.
+#[derive(Debug, Clone)]
+pub(crate) struct Answer {
+    pub no_effect: Vec<usize>,
+    pub kept: Vec<usize>,
+    pub deleted: Vec<usize>,
+    /// Residues.
+    pub beta: Vec<Vec<u64>>,
+    /// Degree in all that is random of what a minor gives beta by.
+    pub degree: u64,
+}
+
+impl From<Run> for Answer {
+    fn from(run: Run) -> Self {
+        Self {
+            no_effect: run.no_effect,
+            kept: run.kept,
+            deleted: run.deleted,
+            beta: run.beta,
+            degree: run.degree,
+        }
+    }
+}
+
 /// A robot with symbols, ready to be asked.
 pub(crate) struct Oracle<'a> {
+    pub route: Route,
     pub named: &'a Named,
     pub mechanism: Mechanism,
     pub model: Model,
@@ -43,22 +69,31 @@ impl Oracle<'_> {
             .collect()
     }
 
-    /// What the engine says at these values.
-    pub fn ask(&self, modulus: &Modulus, at: &[Value], seed: u64) -> Result<Run, NotInField> {
-        self.at(modulus, at, seed, |mechanism, exact, random| {
-            eliminate(mechanism, self.model, &self.order, exact, seed, random)
-        })
+    /// What the route says at these values.
+    pub fn ask(&self, modulus: &Modulus, at: &[Value], seed: u64) -> Result<Answer, NotInField> {
+        match self.route {
+            Route::RulesAlone => Ok(self.rules(modulus, at, seed)?.answer),
+            Route::Whole => self.eliminate(&self.order, modulus, at, seed),
+        }
     }
 
-    /// Which rules remove columns at these values.
-    pub fn rules(
+    /// Elimination at these values, columns kept in this order.
+    pub fn eliminate(
         &self,
+        order: &[usize],
         modulus: &Modulus,
         at: &[Value],
         seed: u64,
-    ) -> Result<Vec<(usize, Origin)>, NotInField> {
+    ) -> Result<Answer, NotInField> {
         self.at(modulus, at, seed, |mechanism, exact, random| {
-            removed_by_rules(mechanism, exact, &self.order, random)
+            eliminate(mechanism, self.model, order, exact, seed, random).into()
+        })
+    }
+
+    /// What the rules say at these values.
+    pub fn rules(&self, modulus: &Modulus, at: &[Value], seed: u64) -> Result<ByRules, NotInField> {
+        self.at(modulus, at, seed, |mechanism, exact, random| {
+            by_rules(mechanism, exact, &self.order, random)
         })
     }
 

@@ -4,74 +4,87 @@ use num_bigint::BigInt;
 use roberval_linalg::rational_from_residue;
 use roberval_scalar::{Fp, Modulus};
 
+use crate::lines::Local;
 use crate::polynomial::{Monomial, Polynomial, power};
 
 /// More unknown coefficients than these are not asked for.
 pub(crate) const MOST_MONOMIALS: usize = 500;
 
-/// What is known of a polynomial before its coefficients.
+/// Points beyond the unknown coefficients that check each interpolation.
+pub(crate) const CHECKS: usize = 2;
+
+/// What is known of an entry before its coefficients: a polynomial over a monomial.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct Shape {
-    /// The lengths it depends on, as variables.
-    pub lengths: Vec<usize>,
-    /// The angles it depends on: the variable of the cosine (the sine's follows) and the
-    /// highest degree.
-    pub angles: Vec<(usize, u8)>,
-    /// The highest degree in the lengths together.
-    pub degree: u8,
+    /// What it is along each symbol that matters.
+    pub locals: Vec<Local>,
+    /// Number of lengths, the first of the variables.
+    pub lengths: usize,
+    /// The degree of numerator less denominator in the lengths together.
+    pub degree: i16,
+    /// Whether all terms have that degree, or less.
+    pub homogeneous: bool,
 }
 
 impl Shape {
-    /// The monomials that may occur, of `count` variables; `None` if there are too many.
-    pub fn monomials(&self, count: usize) -> Option<Vec<Monomial>> {
-        let mut all = vec![vec![0; count]];
-        for &length in &self.lengths {
-            all = self.with(all, |m| {
-                let used: u8 = self.lengths.iter().map(|&l| m[l]).sum();
-                (0..=self.degree - used)
-                    .map(|e| vec![(length, e)])
-                    .collect()
-            })?;
-        }
-        for &(cosine, degree) in &self.angles {
-            all = self.with(all, |_| {
-                let without = (0..=degree).map(|e| vec![(cosine, e), (cosine + 1, 0)]);
-                let with_sine = (0..degree).map(|e| vec![(cosine, e), (cosine + 1, 1)]);
-                without.chain(with_sine).collect()
-            })?;
-        }
-        Some(all)
+    /// What stands below, of `count` variables.
+    pub fn below(&self, count: usize) -> Monomial {
+        let one = vec![0; count];
+        self.locals.iter().fold(one, |m, l| product(&m, &l.below))
     }
 
-    fn with(
-        &self,
-        all: Vec<Monomial>,
-        factors: impl Fn(&Monomial) -> Vec<Vec<(usize, u8)>>,
-    ) -> Option<Vec<Monomial>> {
-        let mut next = Vec::new();
-        for monomial in all {
-            for factor in factors(&monomial) {
-                let mut product = monomial.clone();
-                factor.into_iter().for_each(|(at, e)| product[at] = e);
-                next.push(product);
+    /// The monomials that may stand above it; `None` if there are too many.
+    pub fn above(&self, below: &Monomial) -> Option<Vec<Monomial>> {
+        let degree =
+            |m: &Monomial| -> i16 { m[..self.lengths].iter().map(|&e| i16::from(e)).sum() };
+        let highest = self.degree + degree(below);
+        let mut all = vec![vec![0; below.len()]];
+        for local in &self.locals {
+            let mut next = Vec::new();
+            for monomial in &all {
+                let products = local.above.iter().map(|m| product(monomial, m));
+                next.extend(products.filter(|m| degree(m) <= highest));
+                if next.len() > MOST_MONOMIALS * MOST_MONOMIALS {
+                    return None;
+                }
             }
-            if next.len() > MOST_MONOMIALS {
-                return None;
-            }
+            all = next;
         }
-        Some(next)
+        all.retain(|m| !self.homogeneous || degree(m) == highest);
+        (all.len() <= MOST_MONOMIALS).then_some(all)
     }
+}
+
+fn product(a: &Monomial, b: &Monomial) -> Monomial {
+    a.iter().zip(b).map(|(x, y)| x + y).collect()
 }
 
 /// For each of several value lists, the polynomial with these monomials that takes them at
 /// the points; `None` where there is none with rational coefficients of moderate size.
-/// There must be more points than monomials: the others check.
 pub(crate) fn interpolate<'m>(
     modulus: &'m Modulus,
     monomials: &[Monomial],
     points: &[Vec<Fp<'m>>],
     values: &[Vec<Fp<'m>>],
 ) -> Vec<Option<Polynomial>> {
+    let polynomial = |fit: Vec<Fp<'m>>| {
+        let terms = monomials.iter().zip(fit);
+        let term = |(m, c): (&Monomial, Fp<'m>)| Some((m.clone(), fraction(modulus, c)?));
+        Some(Polynomial::of(terms.map(term).collect::<Option<Vec<_>>>()?))
+    };
+    let fits = coefficients(modulus, monomials, points, values);
+    fits.into_iter().map(|fit| polynomial(fit?)).collect()
+}
+
+/// For each of several value lists, the coefficients of these monomials whose sum takes them
+/// at the points; `None` where there are none. There must be more points than monomials: the
+/// others check.
+pub(crate) fn coefficients<'m>(
+    modulus: &'m Modulus,
+    monomials: &[Monomial],
+    points: &[Vec<Fp<'m>>],
+    values: &[Vec<Fp<'m>>],
+) -> Vec<Option<Vec<Fp<'m>>>> {
     let n = monomials.len();
     let mut rows: Vec<Vec<Fp<'m>>> = points
         .iter()
@@ -90,12 +103,11 @@ pub(crate) fn interpolate<'m>(
         rows.swap(column, pivot);
         let inverse = rows[column][column].inverse().expect("not zero");
         let scaled: Vec<Fp<'m>> = rows[column].iter().map(|x| *x * inverse).collect();
-        for (r, row) in rows.iter_mut().enumerate().filter(|(r, _)| *r != column) {
+        for (_, row) in rows.iter_mut().enumerate().filter(|(r, _)| *r != column) {
             let factor = row[column];
             if factor.is_zero() {
                 continue;
             }
-            let _ = r;
             for (x, s) in row.iter_mut().zip(&scaled).skip(column) {
                 *x = *x - factor * *s;
             }
@@ -104,12 +116,8 @@ pub(crate) fn interpolate<'m>(
     }
     let solve = |list: usize| {
         let checked = rows[n..].iter().all(|row| row[n + list].is_zero());
-        (independent && checked).then_some(())?;
-        let terms = monomials.iter().enumerate().map(|(at, monomial)| {
-            let coefficient = fraction(modulus, rows[at][n + list])?;
-            Some((monomial.clone(), coefficient))
-        });
-        Some(Polynomial::of(terms.collect::<Option<Vec<_>>>()?))
+        let solution = || rows[..n].iter().map(|row| row[n + list]).collect();
+        (independent && checked).then(solution)
     };
     (0..values.len()).map(solve).collect()
 }

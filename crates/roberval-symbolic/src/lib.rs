@@ -8,6 +8,7 @@
 mod factored;
 mod field;
 mod interpolation;
+mod lines;
 mod naming;
 mod polynomial;
 mod relations;
@@ -18,7 +19,7 @@ pub use factored::{Factored, Notation};
 pub use naming::{Named, Naming, Symbol, SymbolKind};
 pub use polynomial::{Monomial, Polynomial, Variable};
 pub use relations::{
-    Coefficient, SymbolicError, SymbolicOptions, SymbolicRelations, Verification,
+    Coefficient, Route, SymbolicError, SymbolicOptions, SymbolicRelations, Verification,
     symbolic_relations,
 };
 pub use rules::Origin;

@@ -2,33 +2,49 @@
 
 use std::collections::HashMap;
 
-use roberval_base::{Model, Run};
+use roberval_base::Model;
 use roberval_mechanism::{JointKind, Mechanism, MechanismError, ParameterKind, ParameterSpace};
 use roberval_regressor::{AngleOrder, NotInField};
 use roberval_scalar::{Fp, Modulus, SplitMix64};
 
-use crate::field::{Oracle, Value};
-use crate::interpolation::{Shape, interpolate};
-use crate::naming::{Named, Naming, SymbolKind};
+use crate::field::{Answer, Oracle, Value};
+use crate::interpolation::{CHECKS, Shape, interpolate};
+use crate::lines::{Line, Local};
+use crate::naming::{Named, Naming, Symbol, SymbolKind};
 use crate::polynomial::{Monomial, Polynomial, Variable, power};
 use crate::rules::Origin;
 use crate::special::{Special, special};
 
-/// Points beyond the unknown coefficients that check each interpolation.
-const CHECKS: usize = 2;
-
 /// Fields at whose random values all relations are verified.
 const FIELDS: usize = 2;
 
-/// An angle that stands in many places is taken to enter with this degree at most.
-const HIGHEST_ANGLE_DEGREE: usize = 6;
+/// An entry of beta: its row and column.
+type Place = (usize, usize);
 
-/// An entry of beta: its row and column, and what it is.
-type Entry = ((usize, usize), Polynomial);
+/// What an entry is.
+type Entry = (Place, Polynomial);
+
+/// What an entry looks like, and the symbols it depends on.
+type Looks = (Option<Shape>, Vec<usize>);
+
+/// How far relations are looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Route {
+    /// The closed-form rules, then elimination on what they leave.
+    #[default]
+    Whole,
+    /// The rules alone: they may leave more than the base parameters.
+    RulesAlone,
+}
+
+/// What removes each column that goes, and which ones elimination removes.
+type Origins = (Vec<(usize, Origin)>, Vec<usize>);
 
 /// How relations are found in symbols.
 #[derive(Debug, Clone, Default)]
 pub struct SymbolicOptions {
+    /// How far.
+    pub route: Route,
     /// The linear model.
     pub model: Model,
     /// Which constants are symbols.
@@ -100,7 +116,7 @@ pub struct SymbolicRelations {
     pub parameters: ParameterSpace,
     /// Parameters without effect.
     pub no_effect: Vec<usize>,
-    /// The kept parameters X1.
+    /// The kept parameters X1; for [`Route::RulesAlone`] all that the rules leave.
     pub base: Vec<usize>,
     /// The regrouped parameters X2.
     pub regrouped: Vec<usize>,
@@ -108,6 +124,10 @@ pub struct SymbolicRelations {
     pub beta: Vec<Vec<Option<Coefficient>>>,
     /// What removes each parameter that is not kept, in the order of the columns.
     pub origins: Vec<(usize, Origin)>,
+    /// How far they were looked for.
+    pub route: Route,
+    /// What elimination removes of what the rules leave.
+    pub left_over: Vec<usize>,
     /// What is special about the given values.
     pub special: Vec<Special>,
     /// How sure the relations are.
@@ -129,6 +149,7 @@ pub fn symbolic_relations(
     let columns = mechanism.parameters().len();
     let order = options.order.clone();
     let oracle = Oracle {
+        route: options.route,
         named: &named,
         mechanism: Mechanism::new(&named.description)?,
         model: options.model,
@@ -140,8 +161,11 @@ pub fn symbolic_relations(
     let mut samples = Samples::new(&oracle, &modulus, &mut random)?;
     let beta = samples.beta(&mut random)?;
     let run = samples.first.clone();
-    let origins = samples.origins(&mut random)?;
-    let special = special(&oracle, &modulus, &run, &mut random)?;
+    let (origins, left_over) = samples.origins(&mut random)?;
+    let special = match options.route {
+        Route::Whole => special(&oracle, &modulus, &run, &mut random)?,
+        Route::RulesAlone => Vec::new(),
+    };
     let mut relations = SymbolicRelations {
         variables: variables(&named),
         parameters: mechanism.parameters(),
@@ -150,6 +174,8 @@ pub fn symbolic_relations(
         regrouped: run.deleted,
         beta,
         origins,
+        route: options.route,
+        left_over,
         special,
         verification: Verification {
             primes: Vec::new(),
@@ -174,10 +200,10 @@ fn variables(named: &Named) -> Vec<Variable> {
 struct Samples<'a, 'm> {
     oracle: &'a Oracle<'a>,
     modulus: &'m Modulus,
-    first: Run,
+    first: Answer,
     first_point: Vec<Value>,
     points: Vec<Vec<Fp<'m>>>,
-    runs: Vec<Run>,
+    runs: Vec<Answer>,
 }
 
 impl<'a, 'm> Samples<'a, 'm> {
@@ -202,138 +228,125 @@ impl<'a, 'm> Samples<'a, 'm> {
         &mut self,
         random: &mut SplitMix64,
     ) -> Result<Vec<Vec<Option<Coefficient>>>, NotInField> {
-        let depends = self.dependences(random)?;
-        let mut beta: Vec<Vec<Option<Coefficient>>> = Vec::new();
-        let mut open: Vec<(usize, usize)> = Vec::new();
-        for (i, row) in self.first.beta.iter().enumerate() {
-            beta.push(vec![None; row.len()]);
-            let entries = row.iter().enumerate().filter(|(_, x)| **x != 0);
-            open.extend(entries.map(|(j, _)| (i, j)));
-        }
-        for denominator in self.denominators() {
-            let mut groups: HashMap<Shape, Vec<(usize, usize)>> = HashMap::new();
-            for &(i, j) in &open {
-                if let Some(shape) = self.shape(i, j, &depends[&(i, j)], &denominator) {
-                    groups.entry(shape).or_default().push((i, j));
-                }
-            }
-            for (shape, entries) in groups {
-                let found = self.interpolate(&shape, &entries, &denominator, random)?;
-                for ((i, j), numerator) in found {
-                    let denominator = denominator.clone();
-                    beta[i][j] = Some(Coefficient::Quotient {
-                        numerator,
-                        denominator,
-                    });
-                }
-            }
-            open.retain(|&(i, j)| beta[i][j].is_none());
-            if open.is_empty() {
-                break;
+        let rows = self.first.beta.iter();
+        let mut beta: Vec<Vec<Option<Coefficient>>> =
+            rows.map(|row| vec![None; row.len()]).collect();
+        let mut groups: HashMap<Shape, Vec<(usize, usize)>> = HashMap::new();
+        for ((i, j), (shape, depends)) in self.shapes(random)? {
+            // Those that are found take this one's place.
+            let names = depends.iter().map(|&k| &self.oracle.named.symbols[k].name);
+            beta[i][j] = Some(Coefficient::Open(names.cloned().collect()));
+            if let Some(shape) = shape {
+                groups.entry(shape).or_default().push((i, j));
             }
         }
-        for (i, j) in open {
-            let symbols = &self.oracle.named.symbols;
-            let names = depends[&(i, j)].iter().map(|&k| symbols[k].name.clone());
-            beta[i][j] = Some(Coefficient::Open(names.collect()));
+        let count = variables(self.oracle.named).len();
+        for (shape, entries) in groups {
+            let denominator = shape.below(count);
+            let found = self.interpolate(&shape, &entries, &denominator, random)?;
+            for ((i, j), numerator) in found {
+                let denominator = denominator.clone();
+                beta[i][j] = Some(Coefficient::Quotient {
+                    numerator,
+                    denominator,
+                });
+            }
         }
         Ok(beta)
     }
 
-    /// What removes each parameter that is not kept.
-    fn origins(&self, random: &mut SplitMix64) -> Result<Vec<(usize, Origin)>, NotInField> {
-        let rules = self
-            .oracle
-            .rules(self.modulus, &self.first_point, random.next_u64())?;
-        let gone = self.first.no_effect.iter().chain(&self.first.deleted);
-        let origin = |&column: &usize| {
-            let rule = rules.iter().find(|(c, _)| *c == column);
-            (
-                column,
-                rule.map_or(Origin::Elimination, |(_, origin)| *origin),
-            )
-        };
-        let mut origins: Vec<_> = gone.map(origin).collect();
-        origins.sort_unstable();
-        Ok(origins)
-    }
-
-    /// The symbols that each entry of beta depends on, seen by changing one at a time.
-    fn dependences(
-        &self,
-        random: &mut SplitMix64,
-    ) -> Result<HashMap<(usize, usize), Vec<usize>>, NotInField> {
-        let mut depends: HashMap<(usize, usize), Vec<usize>> = HashMap::new();
-        for symbol in 0..=self.first_point.len() {
-            let mut point = self.first_point.clone();
-            // The last run changes nothing: every entry gets its list.
-            if let Some(value) = point.get_mut(symbol) {
-                *value = Value::Number(self.modulus.random(random).residue());
-            }
-            let run = self.oracle.ask(self.modulus, &point, random.next_u64())?;
-            for (i, row) in run.beta.iter().enumerate() {
-                for (j, value) in row.iter().enumerate() {
-                    let list = depends.entry((i, j)).or_default();
-                    if *value != self.first.beta[i][j] {
-                        list.push(symbol);
-                    }
-                }
-            }
-        }
-        Ok(depends)
-    }
-
-    /// Monomials that may stand under an entry, the number 1 first.
-    fn denominators(&self) -> Vec<Monomial> {
-        let count = variables(self.oracle.named).len();
-        let mut all = vec![vec![0; count]];
-        for exponent in [1, 2] {
-            for at in 0..count {
-                let mut monomial = vec![0; count];
-                monomial[at] = exponent;
-                all.push(monomial);
-            }
-        }
-        all
-    }
-
-    /// What an entry times a denominator can look like; `None` if it cannot be.
-    fn shape(&self, i: usize, j: usize, depends: &[usize], under: &[u8]) -> Option<Shape> {
+    /// What each entry that is not zero looks like, if it is a polynomial over a monomial,
+    /// and the symbols that it depends on.
+    fn shapes(&self, random: &mut SplitMix64) -> Result<Vec<(Place, Looks)>, NotInField> {
+        let entries: Vec<Place> = self
+            .first
+            .beta
+            .iter()
+            .enumerate()
+            .flat_map(|(i, row)| row.iter().enumerate().map(move |(j, x)| (i, j, *x)))
+            .filter_map(|(i, j, x)| (x != 0).then_some((i, j)))
+            .collect();
+        let homogeneous = self.homogeneous(&entries, random)?;
         let symbols = &self.oracle.named.symbols;
-        let lengths: Vec<usize> = (0..symbols.len())
-            .filter(|&k| symbols[k].kind == SymbolKind::Length)
-            .collect();
-        let angles: Vec<usize> = (0..symbols.len())
-            .filter(|&k| symbols[k].kind == SymbolKind::Angle)
-            .collect();
-        let own = |list: &[usize], k: &usize| list.iter().position(|x| x == k);
-        let under_lengths: u8 = under[..lengths.len()].iter().sum();
-        let degree = self.dimension(self.first.kept[i]) - self.dimension(self.first.deleted[j]);
-        let degree = u8::try_from(degree + i8::try_from(under_lengths).ok()?).ok()?;
-        let shape = Shape {
-            lengths: depends.iter().filter_map(|k| own(&lengths, k)).collect(),
-            angles: depends
-                .iter()
-                .filter_map(|k| {
-                    let at = lengths.len() + 2 * own(&angles, k)?;
-                    let uses = (2 * symbols[*k].uses).min(HIGHEST_ANGLE_DEGREE);
-                    Some((at, uses as u8 + under[at] + under[at + 1]))
-                })
-                .collect(),
-            degree,
+        let mut along: Vec<Vec<Option<Local>>> = Vec::new();
+        for symbol in 0..symbols.len() {
+            let held = (&self.first_point[..], &self.first);
+            let mut line = Line::new((self.oracle, self.modulus), held, symbol);
+            along.push(line.locals(&entries, random)?);
+        }
+        let lengths = symbols.iter().filter(|s| s.kind == SymbolKind::Length);
+        let lengths = lengths.count();
+        let looks = |(k, &(i, j)): (usize, &Place)| {
+            let locals = along.iter().map(|line| line[k].clone());
+            let matters = |l: &Option<Local>| !l.as_ref().is_some_and(Local::is_constant);
+            let (depends, locals): (Vec<usize>, Vec<Option<Local>>) =
+                locals.enumerate().filter(|(_, l)| matters(l)).unzip();
+            let shape = locals.into_iter().collect::<Option<Vec<_>>>();
+            let shape = shape.map(|locals| Shape {
+                locals,
+                lengths,
+                degree: self.degree(i, j),
+                homogeneous: homogeneous[k],
+            });
+            ((i, j), (shape, depends))
         };
-        // What stands below must matter.
-        let known = |at: usize| {
-            shape.lengths.contains(&at)
-                || shape.angles.iter().any(|(a, _)| *a == at || *a + 1 == at)
+        Ok(entries.iter().enumerate().map(looks).collect())
+    }
+
+    /// For each entry, whether it grows with all lengths together as its unit says.
+    fn homogeneous(
+        &self,
+        entries: &[Place],
+        random: &mut SplitMix64,
+    ) -> Result<Vec<bool>, NotInField> {
+        let (modulus, symbols) = (self.modulus, &self.oracle.named.symbols);
+        let factor = modulus.random(random);
+        let scaled = |(value, symbol): (&Value, &Symbol)| match (value, symbol.kind) {
+            (Value::Number(x), SymbolKind::Length) => {
+                Value::Number((modulus.element(*x) * factor).residue())
+            }
+            _ => *value,
         };
-        let below = under.iter().enumerate().filter(|(_, e)| **e > 0);
-        let sensible = below.into_iter().all(|(at, _)| known(at));
-        sensible.then_some(shape)
+        let point: Vec<Value> = self.first_point.iter().zip(symbols).map(scaled).collect();
+        let answer = self.oracle.ask(modulus, &point, random.next_u64())?;
+        let same = answer.kept == self.first.kept && answer.deleted == self.first.deleted;
+        let as_unit = |&(i, j): &Place| {
+            let [before, after] = [&self.first, &answer].map(|a| modulus.element(a.beta[i][j]));
+            let power = factor.pow(self.degree(i, j).unsigned_abs().into());
+            match self.degree(i, j) >= 0 {
+                true => after == before * power,
+                false => after * power == before,
+            }
+        };
+        Ok(entries.iter().map(|e| same && as_unit(e)).collect())
+    }
+
+    /// What removes each parameter that is not kept; and, of what the rules leave, what the
+    /// elimination of these columns removes.
+    fn origins(&self, random: &mut SplitMix64) -> Result<Origins, NotInField> {
+        let (modulus, point) = (self.modulus, &self.first_point);
+        let rules = self.oracle.rules(modulus, point, random.next_u64())?;
+        let left = rules.answer.kept.iter().copied();
+        let order: Vec<usize> = left.chain(rules.removed.iter().map(|(c, _)| *c)).collect();
+        let seed = random.next_u64();
+        let base = self.oracle.eliminate(&order, modulus, point, seed)?.kept;
+        let mut left_over = rules.answer.kept;
+        left_over.retain(|c| !base.contains(c));
+        let mut origins = rules.removed;
+        if self.oracle.route == Route::Whole {
+            origins.extend(left_over.iter().map(|&c| (c, Origin::Elimination)));
+        }
+        origins.sort_unstable();
+        Ok((origins, left_over))
+    }
+
+    /// The power of length in an entry's unit.
+    fn degree(&self, i: usize, j: usize) -> i16 {
+        self.dimension(self.first.kept[i]) - self.dimension(self.first.deleted[j])
     }
 
     /// The power of length in a parameter's unit.
-    fn dimension(&self, column: usize) -> i8 {
+    fn dimension(&self, column: usize) -> i16 {
         let id = self.oracle.mechanism.parameters().ids()[column];
         let prismatic = self.oracle.mechanism.links[id.link].joint == JointKind::Prismatic;
         match id.kind {
@@ -352,7 +365,7 @@ impl<'a, 'm> Samples<'a, 'm> {
         denominator: &Monomial,
         random: &mut SplitMix64,
     ) -> Result<Vec<Entry>, NotInField> {
-        let Some(monomials) = shape.monomials(denominator.len()) else {
+        let Some(monomials) = shape.above(denominator) else {
             return Ok(Vec::new());
         };
         let count = monomials.len() + CHECKS;
@@ -361,7 +374,7 @@ impl<'a, 'm> Samples<'a, 'm> {
         let values: Vec<Vec<Fp<'m>>> = entries
             .iter()
             .map(|&(i, j)| {
-                let value = |(run, point): (&Run, &Vec<Fp<'m>>)| {
+                let value = |(run, point): (&Answer, &Vec<Fp<'m>>)| {
                     let below = power(self.modulus, denominator, point);
                     self.modulus.element(run.beta[i][j]) * below
                 };
@@ -432,10 +445,11 @@ impl SymbolicRelations {
     }
 
     /// A bound of the degree, in all that is random, of the numerator of the difference
-    /// between an entry of beta (a quotient of minors of W with b rows) and a quotient of
+    /// between an entry of beta (a quotient of minors of W with b rows, or of the rules'
+    /// vectors) and a quotient of
     /// low degree. A length enters an entry of W at most squared, a rotation three times
     /// with degree 2 in the tangent of its half angle.
-    fn degree(&self, run: &Run) -> f64 {
+    fn degree(&self, run: &Answer) -> f64 {
         let angles = self
             .named
             .symbols
@@ -443,7 +457,11 @@ impl SymbolicRelations {
             .filter(|s| s.kind == SymbolKind::Angle);
         let turns: usize = angles.map(|s| 6 * s.uses).sum();
         let row = run.degree as f64 + 2.0 + turns as f64;
-        (self.base.len() as f64 + 1.0) * row
+        let minor = match self.route {
+            Route::Whole => self.base.len(),
+            Route::RulesAlone => self.origins.len(),
+        };
+        (minor as f64 + 1.0) * row
     }
 }
 

@@ -16,10 +16,14 @@ use roberval_mechanism::{JointKind, Mechanism, ParameterSpace};
 use roberval_regressor::{Body, ExactModel, Tree};
 use roberval_scalar::{Fp, SplitMix64};
 
+use crate::field::Answer;
 use moments::{Moments, Vec3, cross, dot, returned, unit_inertia};
 
 /// Samples at which each rule's vector is checked.
 const CHECKS: usize = 2;
+
+/// Lengths enter a rule's vector at most squared.
+const HIGHEST_DEGREE: u64 = 2;
 
 /// What removes a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -68,14 +72,22 @@ enum Turning<'m> {
     Freely,
 }
 
-/// For each column that goes, which rule removes it; columns in the order of `order`, in
-/// which later ones go first. Rules that do not hold are left out (there should be none).
-pub(crate) fn removed_by_rules<'m>(
+/// What the rules make of a robot, without the numerical method.
+pub(crate) struct ByRules {
+    /// For each column that goes, which rule removes it.
+    pub removed: Vec<(usize, Origin)>,
+    /// What they leave and how the others regroup into it.
+    pub answer: Answer,
+}
+
+/// The rules alone; columns in the order of `order`, in which later ones go first. Rules that
+/// do not hold are left out (there should be none).
+pub(crate) fn by_rules<'m>(
     mechanism: &Mechanism,
     exact: &ExactModel<'m>,
     order: &[usize],
     random: &mut SplitMix64,
-) -> Vec<(usize, Origin)> {
+) -> ByRules {
     let mut rules = Rules {
         tree: exact.tree(),
         space: mechanism.parameters(),
@@ -88,31 +100,62 @@ pub(crate) fn removed_by_rules<'m>(
     let mut rows: Vec<(usize, Vec<Fp<'m>>)> = Vec::new();
     let mut removed = Vec::new();
     for ((origin, vector), _) in vectors.iter().zip(holds).filter(|(_, holds)| *holds) {
-        let mut row: Vec<Fp<'m>> = order.iter().map(|&c| vector[c]).collect();
-        for (pivot, other) in &rows {
-            let factor = row[*pivot];
-            if !factor.is_zero() {
-                row.iter_mut()
-                    .zip(other)
-                    .for_each(|(x, y)| *x = *x - factor * *y);
-            }
+        let row: Vec<Fp<'m>> = order.iter().map(|&c| vector[c]).collect();
+        if let Some(pivot) = insert(&mut rows, row) {
+            removed.push((order[pivot], *origin));
         }
-        let Some(pivot) = row.iter().rposition(|x| !x.is_zero()) else {
-            continue;
-        };
-        let inverse = row[pivot].inverse().expect("not zero");
-        row.iter_mut().for_each(|x| *x = *x * inverse);
-        for (_, other) in &mut rows {
-            let factor = other[pivot];
-            other
-                .iter_mut()
-                .zip(&row)
-                .for_each(|(x, y)| *x = *x - factor * *y);
-        }
-        rows.push((pivot, row));
-        removed.push((order[pivot], *origin));
     }
-    removed
+    let answer = answer(&rows, order);
+    ByRules { removed, answer }
+}
+
+/// Adds a row to rows in reduced form, each with its last entry, the pivot, 1 and alone in its
+/// column: the new one's pivot, if it is independent.
+fn insert<'m>(rows: &mut Vec<(usize, Vec<Fp<'m>>)>, mut row: Vec<Fp<'m>>) -> Option<usize> {
+    let subtract = |row: &mut Vec<Fp<'m>>, factor: Fp<'m>, other: &[Fp<'m>]| {
+        if !factor.is_zero() {
+            let pairs = row.iter_mut().zip(other);
+            pairs.for_each(|(x, y)| *x = *x - factor * *y);
+        }
+    };
+    for (pivot, other) in rows.iter() {
+        let factor = row[*pivot];
+        subtract(&mut row, factor, other);
+    }
+    let pivot = row.iter().rposition(|x| !x.is_zero())?;
+    let inverse = row[pivot].inverse().expect("not zero");
+    row.iter_mut().for_each(|x| *x = *x * inverse);
+    for (_, other) in rows.iter_mut() {
+        let factor = other[pivot];
+        subtract(other, factor, &row);
+    }
+    rows.push((pivot, row));
+    Some(pivot)
+}
+
+/// A row `x_p + sum v_i x_i = 0` of columns says that parameter p acts as -v_i of each
+/// parameter i; without others it does nothing.
+fn answer(rows: &[(usize, Vec<Fp<'_>>)], order: &[usize]) -> Answer {
+    let row_of = |j: &usize| rows.iter().find(|(pivot, _)| pivot == j).map(|(_, r)| r);
+    let alone = |row: &&Vec<Fp<'_>>| row.iter().filter(|x| !x.is_zero()).count() == 1;
+    let all = 0..order.len();
+    let kept: Vec<usize> = all.clone().filter(|j| row_of(j).is_none()).collect();
+    let gone = all.filter_map(|j| Some((j, row_of(&j)?)));
+    let (idle, deleted): (Vec<_>, Vec<_>) = gone.partition(|(_, row)| alone(row));
+    let residue = |i: usize, row: &[Fp<'_>]| (-row[i]).residue();
+    let beta = kept.iter().map(|&i| {
+        let columns = deleted.iter();
+        columns.map(|(_, row)| residue(i, row)).collect()
+    });
+    let mut no_effect: Vec<usize> = idle.iter().map(|(j, _)| order[*j]).collect();
+    no_effect.sort_unstable();
+    Answer {
+        no_effect,
+        beta: beta.collect(),
+        kept: kept.iter().map(|&j| order[j]).collect(),
+        deleted: deleted.iter().map(|(j, _)| order[*j]).collect(),
+        degree: HIGHEST_DEGREE,
+    }
 }
 
 /// Which vectors the dynamic model does not see, at random states.

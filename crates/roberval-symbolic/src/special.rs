@@ -1,10 +1,9 @@
 //! What is special about the given values of symbols.
 
-use roberval_base::Run;
 use roberval_regressor::NotInField;
 use roberval_scalar::{Modulus, SplitMix64};
 
-use crate::field::{Oracle, Value};
+use crate::field::{Answer, Oracle, Value};
 
 /// Values of symbols at which the rank is lower than at generic ones.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -15,6 +14,8 @@ pub struct Special {
     pub fewer: usize,
     /// How many of those have no effect any more, the others regrouping.
     pub without_effect: usize,
+    /// Those that are base parameters otherwise.
+    pub gone: Vec<usize>,
 }
 
 /// The symbols whose given values lower the rank, one by one; all of them together where
@@ -22,7 +23,7 @@ pub struct Special {
 pub(crate) fn special(
     oracle: &Oracle<'_>,
     modulus: &Modulus,
-    generic: &Run,
+    generic: &Answer,
     random: &mut SplitMix64,
 ) -> Result<Vec<Special>, NotInField> {
     let symbols = &oracle.named.symbols;
@@ -34,8 +35,10 @@ pub(crate) fn special(
             values.push(format!("{} = {}", symbol.name, symbol.given));
         }
         let run = oracle.ask(modulus, &point, random.next_u64())?;
+        let gone = generic.kept.iter().filter(|c| !run.kept.contains(c));
         Ok(Special {
             values,
+            gone: gone.copied().collect(),
             fewer: generic.kept.len().saturating_sub(run.kept.len()),
             without_effect: run.no_effect.len().saturating_sub(generic.no_effect.len()),
         })

@@ -7,7 +7,7 @@ use roberval_base::{ExactNumber, Model, Options, base_parameters, decide_exactly
 use roberval_formats::load;
 use roberval_mechanism::{Mechanism, RobotDescription, SourceFormat};
 use roberval_scalar::SplitMix64;
-use roberval_symbolic::{Coefficient, Naming, Origin, SymbolicOptions, Variable};
+use roberval_symbolic::{Coefficient, Naming, Origin, Route, SymbolicOptions, Variable};
 use roberval_testkit::{Angles, Family};
 
 /// Values of polynomials in doubles against beta in doubles.
@@ -118,6 +118,9 @@ fn special_values_are_told_with_what_they_do() {
         panic!("{:?}", answer.special);
     };
     assert_eq!(special.values, ["D2 = 0"]);
+    let mut left = answer.base.clone();
+    left.retain(|c| !special.gone.contains(c));
+    assert_eq!(left, decision.kept);
     assert!(special.fewer > 0);
     assert_eq!(special.fewer, answer.base.len() - decision.kept.len());
 }
@@ -272,6 +275,45 @@ fn on_three_of_four_generated_chains_and_trees_the_rules_are_enough() {
     assert!(enough >= 75, "{enough} of 100");
 }
 
+/// The rules alone, then the numerical method on what they leave: the same base parameters,
+/// and where nothing is left to do the same relations.
+#[test]
+fn the_rules_alone_and_elimination_on_what_they_leave_give_the_whole_answer() {
+    let catalogue = roberval_formats::catalogue().iter();
+    let mut robots: Vec<_> = catalogue.map(|entry| built_in(entry.name)).collect();
+    robots.retain(|robot| robot.loops.is_empty());
+    robots.extend((0..40).map(|seed| {
+        let family = Family {
+            links: (1, 6),
+            angles: [Angles::Right, Angles::Mixed][seed as usize % 2],
+            format: [SourceFormat::Mdh, SourceFormat::Urdf][seed as usize / 2 % 2],
+            ..Family::default()
+        };
+        family.robot(seed)
+    }));
+    let (mut enough, mut too_few) = (0, 0);
+    for robot in &robots {
+        let whole = relations(robot, &SymbolicOptions::default());
+        let options = SymbolicOptions {
+            route: Route::RulesAlone,
+            ..SymbolicOptions::default()
+        };
+        let rules = relations(robot, &options);
+        let mut base = rules.base.clone();
+        base.retain(|c| !rules.left_over.contains(c));
+        assert_eq!(base, whole.base, "{}", robot.name);
+        assert!(rules.origins.iter().all(|(_, o)| *o != Origin::Elimination));
+        match rules.left_over.is_empty() {
+            true => {
+                enough += 1;
+                assert_eq!(rules.beta, whole.beta, "{}", robot.name);
+            }
+            false => too_few += 1,
+        }
+    }
+    assert!(enough > 30 && too_few > 3, "{enough} {too_few}");
+}
+
 /// Everything regroups across the joints of a robot that floats: a rule removes each
 /// parameter that goes.
 #[test]
@@ -287,4 +329,28 @@ fn the_rules_are_always_enough_on_a_base_that_floats() {
         let by_rules = |(_, origin): &(usize, Origin)| *origin != Origin::Elimination;
         assert!(answer.origins.iter().all(by_rules), "robot {seed}");
     }
+}
+/// What is no polynomial over a monomial (or of very many terms) is left open: quotients by
+/// sums, where a link that turns about one direction is turned by three angles against it.
+#[test]
+fn coefficients_stay_open_on_one_robot_of_ten_at_most() {
+    let (mut open, mut quotients) = (0, 0);
+    for seed in 0..60 {
+        let family = Family {
+            links: (1, 6),
+            angles: [Angles::Right, Angles::Mixed, Angles::Oblique][seed as usize % 3],
+            format: [SourceFormat::Mdh, SourceFormat::Urdf][seed as usize / 3 % 2],
+            ..Family::default()
+        };
+        let answer = relations(&family.robot(seed), &SymbolicOptions::default());
+        let entries: Vec<_> = answer.beta.iter().flatten().flatten().collect();
+        let divided = |c: &&&Coefficient| match c {
+            Coefficient::Quotient { denominator, .. } => denominator.iter().any(|e| *e > 0),
+            Coefficient::Open(_) => false,
+        };
+        let is_open = |c: &&Coefficient| matches!(c, Coefficient::Open(_));
+        open += usize::from(entries.iter().copied().any(|c| is_open(&c)));
+        quotients += entries.iter().filter(divided).count();
+    }
+    assert!(open <= 6 && quotients > 0, "{open} {quotients}");
 }

@@ -1,6 +1,8 @@
 //! Relations in symbols: `XXR_2 = XX_2 - YY_2 - D3^2 (M_3 + M_4)`.
 
-use roberval_symbolic::{Coefficient, Factored, Notation, Origin, SymbolKind, SymbolicRelations};
+use roberval_symbolic::{
+    Coefficient, Factored, Notation, Origin, Route, Special, SymbolKind, SymbolicRelations,
+};
 use serde_json::{Map, Value, json};
 
 use crate::document::{Block, Document};
@@ -17,6 +19,8 @@ pub(crate) struct Formula {
     /// The column of `first`.
     base: usize,
     groups: Vec<Group>,
+    /// Letters of the rules that made it; empty where they are told otherwise.
+    made_by: String,
 }
 
 /// Parameters of one kind with one coefficient.
@@ -36,7 +40,11 @@ impl Formula {
             factor: group.factor(Notation::Text),
             members: &group.members,
         });
-        pieces(&self.left, &self.first, groups)
+        let mut pieces = pieces(&self.left, &self.first, groups);
+        if !self.made_by.is_empty() {
+            pieces.push(format!("[{}]", self.made_by));
+        }
+        pieces
     }
 
     /// The formula in LaTeX.
@@ -53,6 +61,9 @@ impl Formula {
                 factor => factor + "\\,",
             };
             text += &format!(" {sign} {factor}{}", latex::members(&group.members));
+        }
+        if !self.made_by.is_empty() {
+            text += &format!("\\quad[\\text{{{}}}]", self.made_by);
         }
         text
     }
@@ -73,6 +84,18 @@ impl Formula {
             };
         }
         text
+    }
+}
+
+impl Formula {
+    /// The places of the rules that bring its terms.
+    fn made_by(&self, origins: &[(Origin, Vec<usize>)]) -> Vec<usize> {
+        let mut columns = self.groups.iter().flat_map(|g| &g.columns);
+        let all: Vec<&usize> = columns.by_ref().collect();
+        let brings =
+            |(_, (_, gone)): &(usize, &(Origin, Vec<usize>))| gone.iter().any(|c| all.contains(&c));
+        let made = origins.iter().enumerate().filter(brings);
+        made.map(|(at, _)| at).collect()
     }
 }
 
@@ -104,6 +127,7 @@ fn formulas(answer: &SymbolicRelations) -> Vec<Formula> {
         first: label(answer, base, false),
         base,
         groups: groups(answer, row),
+        made_by: String::new(),
     })
     .collect()
 }
@@ -152,15 +176,14 @@ fn groups(answer: &SymbolicRelations, row: &[Option<Coefficient>]) -> Vec<Group>
 
 /// The answer for people.
 pub(crate) fn document(answer: &SymbolicRelations) -> Document {
-    let formulas = formulas(answer);
+    let origins = origins(answer);
+    let mut formulas = formulas(answer);
+    for formula in &mut formulas {
+        formula.made_by = letters(&formula.made_by(&origins));
+    }
     let mut lines = vec![robot::joints_and_gravity(&answer.mechanism)];
     lines.extend(symbols(answer));
-    lines.push(format!(
-        "{} base parameters for generic values of the symbols; {} regrouped away, {} without effect",
-        answer.base.len(),
-        answer.regrouped.len(),
-        answer.no_effect.len()
-    ));
+    lines.extend(tally(answer));
     lines.push(format!(
         "Verified at random values in {} prime fields, failure probability below {}",
         answer.verification.primes.len(),
@@ -174,6 +197,7 @@ pub(crate) fn document(answer: &SymbolicRelations) -> Document {
             .map(|note| format!("note: {note}")),
     );
     lines.extend(specials(answer));
+    lines.extend(quotients(answer));
     lines.extend(open(&formulas));
     let mut blocks = vec![
         Block::Title(answer.mechanism.name.clone()),
@@ -182,11 +206,50 @@ pub(crate) fn document(answer: &SymbolicRelations) -> Document {
         Block::Formulas(formulas),
         Block::Heading("Where they come from".to_owned()),
     ];
-    blocks.extend(origins(answer).into_iter().map(|(origin, columns)| {
-        let labels = columns.iter().map(|&c| label(answer, c, false)).collect();
-        Block::List(format!("{origin}:"), labels)
-    }));
+    let lists = origins
+        .into_iter()
+        .enumerate()
+        .map(|(at, (origin, columns))| {
+            let labels = columns.iter().map(|&c| label(answer, c, false)).collect();
+            Block::List(format!("[{}] {origin}:", letters(&[at])), labels)
+        });
+    blocks.extend(lists);
     blocks
+}
+
+/// How many parameters there are of each kind.
+fn tally(answer: &SymbolicRelations) -> Vec<String> {
+    let (gone, idle) = (answer.regrouped.len(), answer.no_effect.len());
+    let others = format!("{gone} regrouped away, {idle} without effect");
+    let left = answer.base.len();
+    if answer.route == Route::Whole {
+        let base = "base parameters for generic values of the symbols";
+        return vec![format!("{left} {base}; {others}")];
+    }
+    let all = answer.parameters.len();
+    let then = match &answer.left_over[..] {
+        [] => format!("The numerical method on these {left} removes none: they are the base"),
+        more => {
+            let labels = more.iter().map(|&c| label(answer, c, false).text());
+            let labels = labels.collect::<Vec<_>>().join(", ");
+            let base = left - more.len();
+            let count = more.len();
+            format!(
+                "The numerical method on these {left} removes {count} ({labels}): {base} are base"
+            )
+        }
+    };
+    let rules = "The closed-form rules alone, for generic values of the symbols, leave";
+    vec![
+        format!("{rules} {left} of {all} parameters; {others}"),
+        then,
+    ]
+}
+
+/// `a, c` for the first and the third.
+fn letters(places: &[usize]) -> String {
+    let letter = |&at: &usize| char::from(b'a' + at as u8).to_string();
+    places.iter().map(letter).collect::<Vec<_>>().join(", ")
 }
 
 /// The parameters that go, by the rule or elimination that removes them.
@@ -218,30 +281,51 @@ fn symbols(answer: &SymbolicRelations) -> Vec<String> {
 }
 
 fn specials(answer: &SymbolicRelations) -> Vec<String> {
-    let more = |count: usize| match count {
-        1 => "1 parameter more goes".to_owned(),
-        n => format!("{n} parameters more go"),
+    let count = |n: usize| match n {
+        1 => "1 more parameter".to_owned(),
+        n => format!("{n} more parameters"),
     };
-    let special = answer.special.iter().map(|special| {
-        let without = match special.without_effect {
-            0 => String::new(),
-            n => format!(", {n} of them without effect"),
+    let special = answer.special.iter().map(|special: &Special| {
+        let regrouped = special.fewer.saturating_sub(special.without_effect);
+        let idle = special.without_effect.min(special.fewer);
+        let what = match (regrouped, idle) {
+            (n, 0) => format!("{} regroup{}", count(n), if n == 1 { "s" } else { "" }),
+            (0, n) => format!("{} lose{} effect", count(n), if n == 1 { "s" } else { "" }),
+            (n, k) => format!("{} regroup or lose effect ({k})", count(n + k)),
         };
+        let gone = special.gone.iter().map(|&c| label(answer, c, false).text());
+        let gone = gone.collect::<Vec<_>>().join(", ");
         let values = special.values.join(", ");
-        format!(
-            "special values: with {values} {}{without}",
-            more(special.fewer)
-        )
+        format!("special values: with {values}, {what}: {gone}")
     });
     special.collect()
+}
+
+/// Where a relation is no polynomial.
+fn quotients(answer: &SymbolicRelations) -> Option<String> {
+    let entries = answer.beta.iter().flatten().flatten();
+    let divided = |c: &&Coefficient| match c {
+        Coefficient::Quotient { denominator, .. } => denominator.iter().any(|e| *e > 0),
+        Coefficient::Open(_) => false,
+    };
+    match entries.filter(divided).count() {
+        0 => None,
+        1 => Some("1 coefficient is no polynomial but a quotient".to_owned()),
+        n => Some(format!("{n} coefficients are no polynomials but quotients")),
+    }
 }
 
 fn open(formulas: &[Formula]) -> Option<String> {
     let groups = formulas.iter().flat_map(|f| &f.groups);
     let open = groups.filter(|g| g.coefficient.is_err()).count();
-    (open > 0).then(|| {
-        format!("{open} coefficients, written f(symbols), are no polynomials over a monomial; their values: base without --symbolic")
-    })
+    let what = match open {
+        0 => return None,
+        1 => "1 coefficient, written f(symbols), is".to_owned(),
+        n => format!("{n} coefficients, written f(symbols), are"),
+    };
+    Some(format!(
+        "{what} no polynomial over a monomial, or of too many terms; values: base without --symbolic"
+    ))
 }
 
 /// The answer for programs.
@@ -255,13 +339,21 @@ pub(crate) fn json(answer: &SymbolicRelations) -> String {
             SymbolKind::Length => "length",
             SymbolKind::Angle => "angle",
         };
-        json!({"name": s.name, "kind": kind, "given": s.given.text, "value": s.given.value})
+        let sympy = Notation::SymPy.name(&s.name);
+        json!({
+            "name": s.name, "kind": kind, "given": s.given.text, "value": s.given.value,
+            "sympy": sympy,
+        })
     });
-    let formulas = formulas(answer);
+    let (formulas, by_origin) = (formulas(answer), origins(answer));
     let relations = formulas.iter().map(|formula| {
         let right = formula.pieces()[2..].join(" ");
-        let value =
-            json!({"text": right, "latex": formula.latex(), "sympy": formula.sympy(&names)});
+        let made_by = formula.made_by(&by_origin).into_iter();
+        let made_by: Vec<_> = made_by.map(|at| by_origin[at].0.to_string()).collect();
+        let value = json!({
+            "text": right, "latex": formula.latex(), "sympy": formula.sympy(&names),
+            "made_by": made_by,
+        });
         (labels[formula.base].clone(), value)
     });
     let names: Map<String, Value> = labels
@@ -272,7 +364,7 @@ pub(crate) fn json(answer: &SymbolicRelations) -> String {
     let special = answer
         .special
         .iter()
-        .map(|s| json!({"values": s.values, "fewer": s.fewer, "without_effect": s.without_effect}));
+        .map(|s| json!({"values": s.values, "fewer": s.fewer, "without_effect": s.without_effect, "gone": list(&s.gone)}));
     let origins = answer.origins.iter();
     let origins =
         origins.map(|(column, origin)| (labels[*column].clone(), json!(origin.to_string())));
@@ -288,6 +380,8 @@ pub(crate) fn json(answer: &SymbolicRelations) -> String {
         "relations": Value::Object(relations.collect()),
         "sympy_names": names,
         "origins": Value::Object(origins.collect()),
+        "rules_alone": answer.route == Route::RulesAlone,
+        "left_over": list(&answer.left_over),
         "special": special.collect::<Vec<_>>(),
         "verification": {
             "primes": answer.verification.primes.iter().map(u64::to_string).collect::<Vec<_>>(),
@@ -297,7 +391,7 @@ pub(crate) fn json(answer: &SymbolicRelations) -> String {
 }
 
 /// Names of the parameters for SymPy: `ZZ_1`, or `ZZ_link1` where the link's name is no
-/// identifier.
+/// identifier or a constant has that name.
 fn sympy_names(answer: &SymbolicRelations) -> Vec<String> {
     let ids = answer
         .parameters
@@ -306,7 +400,8 @@ fn sympy_names(answer: &SymbolicRelations) -> Vec<String> {
         .zip(answer.parameters.labels());
     ids.map(|(id, label)| {
         let plain = label.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        match plain {
+        let taken = answer.named.symbols.iter().any(|s| s.name == *label);
+        match plain && !taken {
             true => label.clone(),
             false => format!("{}_link{}", id.kind, id.link + 1),
         }
@@ -317,9 +412,11 @@ fn sympy_names(answer: &SymbolicRelations) -> Vec<String> {
 /// The relations as a Python module for SymPy.
 pub(crate) fn sympy(answer: &SymbolicRelations) -> String {
     let (formulas, names) = (formulas(answer), sympy_names(answer));
-    let mut text = "from sympy import cos, sin, symbols\n\n".to_owned();
-    let symbols = answer.named.symbols.iter().map(|s| s.name.as_str());
-    text += &define(&symbols.collect::<Vec<_>>(), ", real=True");
+    let mut text = "from sympy import Rational, cos, sin, symbols\n\n".to_owned();
+    for symbol in &answer.named.symbols {
+        let name = Notation::SymPy.name(&symbol.name);
+        text += &format!("{name} = symbols(\"{}\", real=True)\n", symbol.name);
+    }
     let used = |c: &usize| {
         let in_groups =
             |f: &Formula| f.base == *c || f.groups.iter().any(|g| g.columns.contains(c));
@@ -329,7 +426,10 @@ pub(crate) fn sympy(answer: &SymbolicRelations) -> String {
         .filter(used)
         .map(|c| names[c].as_str())
         .collect();
-    text += &define(&used, "");
+    text.extend(
+        used.iter()
+            .map(|name| format!("{name} = symbols(\"{name}\")\n")),
+    );
     text += "\nrelations = {\n";
     for formula in &formulas {
         text += &format!(
@@ -339,11 +439,4 @@ pub(crate) fn sympy(answer: &SymbolicRelations) -> String {
         );
     }
     text + "}\n"
-}
-
-fn define(names: &[&str], options: &str) -> String {
-    let lines = names
-        .iter()
-        .map(|name| format!("{name} = symbols(\"{name}\"{options})\n"));
-    lines.collect()
 }

@@ -38,10 +38,19 @@ impl Text {
     }
 }
 
+/// What operations are called.
+pub(super) struct Words {
+    pub times: &'static str,
+    pub over: &'static str,
+    pub sign: &'static str,
+    pub sqrt: &'static str,
+    pub atan2: &'static str,
+}
+
 /// The statements of a program, then its outputs as expressions.
 pub(super) fn statements(
     program: &Program,
-    (times, sign): (&str, &str),
+    words: &Words,
     input: impl Fn(Input) -> String,
 ) -> (Vec<Statement>, Vec<String>) {
     let uses = program.uses();
@@ -57,7 +66,16 @@ pub(super) fn statements(
                 let angle = text(x).text.clone();
                 Text::atom(turns.name(x, matches!(op, Op::Cos(_)), angle, &mut lines))
             }
-            Op::Sign(x) => Text::atom(format!("{sign}({})", text(x).text)),
+            Op::Sign(x) => Text::atom(format!("{}({})", words.sign, text(x).text)),
+            Op::Sqrt(x) => Text::atom(format!("{}({})", words.sqrt, text(x).text)),
+            Op::Atan2(y, x) => {
+                let (y, x) = (&text(y).text, &text(x).text);
+                Text::atom(format!("{}({y}, {x})", words.atan2))
+            }
+            Op::Div(x, y) => Text {
+                text: format!("{} {} {}", text(x).at(1), words.over, text(y).at(2)),
+                level: 1,
+            },
             Op::Add(x, y) => Text {
                 text: format!("{} + {}", text(x).at(0), text(y).at(1)),
                 level: 0,
@@ -67,11 +85,12 @@ pub(super) fn statements(
                 level: 0,
             },
             Op::Mul(x, y) => Text {
-                text: format!("{} {times} {}", text(x).at(1), text(y).at(2)),
+                text: format!("{} {} {}", text(x).at(1), words.times, text(y).at(2)),
                 level: 1,
             },
         };
-        let named = op.operands().count() == 2 && (uses[at] > 1 || new.text.len() > LONGEST);
+        let computed = op.operands().count() == 2 || matches!(op, Op::Sqrt(_));
+        let named = computed && (uses[at] > 1 || new.text.len() > LONGEST);
         texts.push(match named {
             true => {
                 let name = format!("t{at}");

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::expression::Statement;
+use super::expression::{Statement, Words};
 use super::{Function, Language, statements};
 use crate::graph::Op;
 
@@ -37,17 +37,28 @@ impl Frame {
         }
     }
 
-    pub fn times(self) -> &'static str {
+    /// What operations are called.
+    pub fn words(self) -> Words {
+        let plain = Words {
+            times: "*",
+            over: "/",
+            sign: "sign",
+            sqrt: "sqrt",
+            atan2: "atan2",
+        };
         match self.0 {
-            Language::Matlab => ".*",
-            _ => "*",
-        }
-    }
-
-    pub fn sign(self) -> &'static str {
-        match self.0 {
-            Language::Python => "np.sign",
-            _ => "sign",
+            Language::C | Language::Rust => plain,
+            Language::Python => Words {
+                sign: "np.sign",
+                sqrt: "np.sqrt",
+                atan2: "np.arctan2",
+                ..plain
+            },
+            Language::Matlab => Words {
+                times: ".*",
+                over: "./",
+                ..plain
+            },
         }
     }
 
@@ -187,10 +198,21 @@ fn rust_head(function: &Function<'_>) -> String {
         .collect();
     let (output, shape) = &function.output;
     let size: usize = shape.iter().product();
-    let turn = match has(function, |op| matches!(op, Op::Cos(_) | Op::Sin(_))) {
-        true => "sin_cos: impl Fn(f64) -> (f64, f64), ",
-        false => "",
-    };
+    let given = [
+        (
+            has(function, |op| matches!(op, Op::Cos(_) | Op::Sin(_))),
+            "sin_cos: impl Fn(f64) -> (f64, f64), ",
+        ),
+        (
+            has(function, |op| matches!(op, Op::Sqrt(_))),
+            "sqrt: impl Fn(f64) -> f64, ",
+        ),
+        (
+            has(function, |op| matches!(op, Op::Atan2(..))),
+            "atan2: impl Fn(f64, f64) -> f64, ",
+        ),
+    ];
+    let given: String = given.iter().filter(|g| g.0).map(|g| g.1).collect();
     let sign = match has_sign(function) {
         true => {
             "    let sign = |x: f64| if x > 0.0 { 1.0 } else if x < 0.0 { -1.0 } else { 0.0 };\n"
@@ -199,7 +221,7 @@ fn rust_head(function: &Function<'_>) -> String {
     };
     format!(
         "#[allow(unused_variables, unused_parens, clippy::all)]\n#[rustfmt::skip]\n\
-         pub fn {}({turn}{}, {output}: &mut [f64; {size}]) {{\n{sign}",
+         pub fn {}({given}{}, {output}: &mut [f64; {size}]) {{\n{sign}",
         function.name,
         inputs.join(", ")
     )

@@ -139,6 +139,11 @@ impl Case {
         self.mechanism.closure.is_some() && !self.code.loops
     }
 
+    /// Whether joints follow others by expressions.
+    pub fn follows_expressions(&self) -> bool {
+        self.is_coupled() && !self.mechanism.is_affine()
+    }
+
     /// Whether a joint is prismatic.
     pub fn slides(&self) -> bool {
         let kinds = self.mechanism.links.iter().map(|link| link.joint);
@@ -192,6 +197,30 @@ const LOOPS: [&str; 2] = [
      [[loop]]\nbetween = [\"3\", \"4\"]\nat = [[0.9, 0, 0], [0.7, 0, 0]]\ncut = \"revolute\"\n",
 ];
 
+/// A slider crank and a wrist whose fingers follow, by expressions.
+const EXPRESSIONS: [&str; 2] = [
+    "name = \"slider crank\"\ngravity = [0, -9.81, 0]\n\
+     link = [\n\
+     { name = \"crank\", alpha = 0, d = 0, r = 0 },\n\
+     { name = \"rod\", alpha = 0, d = 0.2, r = 0 },\n\
+     { name = \"slide\", joint = \"prismatic\", antecedent = \"base\", alpha = \"90 deg\", d = 0, theta = 0 },\n\
+     ]\n\
+     [[couple]]\njoint = \"slide\"\n\
+     expression = \"0.2*cos(q.crank) + sqrt(0.49 - 0.04*sin(q.crank)*sin(q.crank))\"\n\
+     [[couple]]\njoint = \"rod\"\n\
+     expression = \"-q.crank - atan2(0.2*sin(q.crank), q.slide - 0.2*cos(q.crank))\"\n",
+    "name = \"wrist\"\ngravity = [0, 0, -9.81]\n\
+     link = [\n\
+     { name = \"1\", alpha = 0, d = 0, r = 0 },\n\
+     { name = \"2\", alpha = \"90 deg\", d = 0.1, r = 0.3 },\n\
+     { name = \"3\", alpha = \"30 deg\", d = 0.2, r = 0 },\n\
+     { name = \"4\", antecedent = \"2\", alpha = \"-90 deg\", d = 0.2, r = 0.1 },\n\
+     ]\n\
+     [[couple]]\njoint = \"3\"\n\
+     expression = \"sqrt(2 - sin(q.1)) / (3 - q.2*q.1) - atan2(-q.2, -1 - q.1*q.1)\"\n\
+     [[couple]]\njoint = \"4\"\nequals = { \"3\" = -2, \"1\" = \"1/3\" }\noffset = 0.25\n",
+];
+
 /// All functions of the catalogue's robots and of generated ones.
 pub fn cases() -> Vec<Case> {
     let catalogue = roberval_formats::catalogue().iter();
@@ -221,6 +250,7 @@ pub fn cases() -> Vec<Case> {
         robots.push(family.robot(seed));
     }
     robots.extend(LOOPS.map(|text| parse_toml(text, "loops.toml").expect("a robot")));
+    robots.extend(EXPRESSIONS.map(|text| parse_toml(text, "couples.toml").expect("a robot")));
     let of_robot = |(index, robot): (usize, &roberval_mechanism::RobotDescription)| {
         let mechanism = Mechanism::new(robot).expect("a valid robot");
         let answer = base_parameters(&mechanism, &Options::default()).expect("an answer");

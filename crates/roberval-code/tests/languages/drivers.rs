@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use roberval_code::{Code, Language};
+use roberval_code::{Code, Language, Op};
 
 use crate::cases::{Case, SAMPLES};
 
@@ -211,18 +211,27 @@ fn c_main(cases: &[Case], folder: &Path) -> PathBuf {
     main
 }
 
+/// The functions of the standard library that Rust code takes.
+fn functions(code: &Code) -> String {
+    let has = |such: fn(&Op) -> bool| code.main.nodes.iter().any(such);
+    let all = [
+        (
+            has(|op| matches!(op, Op::Cos(_) | Op::Sin(_))),
+            "f64::sin_cos, ",
+        ),
+        (has(|op| matches!(op, Op::Sqrt(_))), "f64::sqrt, "),
+        (has(|op| matches!(op, Op::Atan2(..))), "f64::atan2, "),
+    ];
+    all.iter().filter(|f| f.0).map(|f| f.1).collect()
+}
+
 /// The functions as modules; and as a library without std.
 fn rust_main(cases: &[Case], folder: &Path) -> PathBuf {
     let (mut modules, mut calls) = (String::new(), String::new());
     for (at, case) in cases.iter().enumerate() {
         let (name, size) = (case.code.function(), size(&case.code));
         let _ = writeln!(modules, "pub mod m{at} {{ include!(\"{name}.rs\"); }}");
-        let turns = case.code.main.count().trig > 0;
-        let mut arguments = if turns {
-            "f64::sin_cos, ".to_owned()
-        } else {
-            String::new()
-        };
+        let mut arguments = functions(&case.code);
         let _ = writeln!(calls, "    {{ let mut out = [0.0; {size}];");
         for array in states(case) {
             let (array, n, values) = (array.name, array.width(), numbers(array.values));

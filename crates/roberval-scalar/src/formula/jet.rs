@@ -1,4 +1,4 @@
-use crate::{Formula, Quantity, Real};
+use crate::{Analytic, Formula, Quantity};
 
 /// A quantity on its way: its value, its first and second derivative by time, and its
 /// gradient by the independent coordinates.
@@ -14,9 +14,10 @@ pub struct Jet<T> {
     pub gradient: Vec<T>,
 }
 
-impl<T: Real> Jet<T> {
-    fn constant(value: T, width: usize) -> Self {
-        let zero = T::from(0.0);
+impl<T: Analytic> Jet<T> {
+    /// A number that does not move.
+    pub fn constant(value: T, width: usize) -> Self {
+        let zero = value.beside(0.0);
         Self {
             value,
             rate: zero,
@@ -35,8 +36,15 @@ impl<T: Real> Jet<T> {
         }
     }
 
+    /// self + other, or self - other if `b` is -1.
+    fn plus(&self, other: &Self, b: f64) -> Self {
+        let number = |x: f64| self.value.beside(x);
+        self.combined(number(1.0), other, number(b))
+    }
+
     /// a self + b other
-    fn combined(&self, a: T, other: &Self, b: T) -> Self {
+    #[must_use]
+    pub fn combined(&self, a: T, other: &Self, b: T) -> Self {
         let sum = |x: T, y: T| a * x + b * y;
         let gradients = self.gradient.iter().zip(&other.gradient);
         Self {
@@ -56,15 +64,14 @@ impl<T: Real> Jet<T> {
     }
 
     fn reciprocal(&self) -> Self {
-        let one = T::from(1.0);
-        let inverse = one / self.value;
+        let inverse = self.value.beside(1.0) / self.value;
         let square = inverse * inverse;
         self.chain([inverse, -square, (square + square) * inverse])
     }
 
     fn sqrt(&self) -> Self {
         let root = self.value.sqrt();
-        let half = T::from(0.5) / root;
+        let half = root.beside(0.5) / root;
         self.chain([root, half, -half / (self.value + self.value)])
     }
 
@@ -72,7 +79,7 @@ impl<T: Real> Jet<T> {
     fn atan2(&self, x: &Self) -> Self {
         let y = self;
         let square = x.value * x.value + y.value * y.value;
-        let inverse = T::from(1.0) / square;
+        let inverse = square.beside(1.0) / square;
         let mut angle = y.combined(x.value * inverse, x, -y.value * inverse);
         angle.value = y.value.atan2(x.value);
         let growth = (x.value * x.rate + y.value * y.rate) * inverse;
@@ -85,26 +92,23 @@ impl Formula<usize> {
     /// The expression where the variables move as `joints` says; `value` gives the value of
     /// a number, `width` is the number of independent coordinates. Not finite where the
     /// expression has no value or no derivatives.
-    pub fn jet<T: Real>(
+    pub fn jet<T: Analytic>(
         &self,
         joints: &[Jet<T>],
-        value: &impl Fn(&Quantity) -> Option<T>,
+        value: &impl Fn(&Quantity) -> T,
         width: usize,
     ) -> Jet<T> {
         let jet = |a: &Self| a.jet(joints, value, width);
-        let one = T::from(1.0);
         match self {
-            Self::Constant(x) => {
-                let x = value(x).unwrap_or_else(|| T::from(f64::NAN));
-                Jet::constant(x, width)
-            }
+            Self::Constant(x) => Jet::constant(value(x), width),
             Self::Joint(variable) => joints[*variable].clone(),
             Self::Neg(a) => {
                 let a = jet(a);
-                a.chain([-a.value, -one, T::from(0.0)])
+                let number = |x: f64| a.value.beside(x);
+                a.chain([-a.value, number(-1.0), number(0.0)])
             }
-            Self::Add(a, b) => jet(a).combined(one, &jet(b), one),
-            Self::Sub(a, b) => jet(a).combined(one, &jet(b), -one),
+            Self::Add(a, b) => jet(a).plus(&jet(b), 1.0),
+            Self::Sub(a, b) => jet(a).plus(&jet(b), -1.0),
             Self::Mul(a, b) => jet(a).times(&jet(b)),
             Self::Div(a, b) => jet(a).times(&jet(b).reciprocal()),
             Self::Sin(a) => {
@@ -126,7 +130,7 @@ impl Formula<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::DoubleDouble;
+    use crate::{DoubleDouble, Real};
 
     const TEXT: &str =
         "atan2(sin(q.0) - 0.3, 2 + cos(q.1)*q.0) / (1.5 + q.1*q.1) - sqrt(3 + q.0)*-q.1";
@@ -148,7 +152,7 @@ mod tests {
                 .collect(),
         };
         let joints = [joint(0, 0.4, 0.7, 0.1), joint(1, -0.8, 0.2, -0.45)];
-        formula().jet(&joints, &|x| T::of_quantity(x, &[]), 2)
+        formula().jet(&joints, &|x| T::of_quantity(x, &[]).expect("a number"), 2)
     }
 
     #[test]
@@ -179,7 +183,7 @@ mod tests {
         let formula = formula
             .rename(&mut |n: &String| n.parse::<usize>())
             .expect("none");
-        let jet = formula.jet::<f64>(&[], &|x| Some(x.value), 1);
+        let jet = formula.jet::<f64>(&[], &|x| x.value, 1);
         assert!(!jet.value.is_finite());
     }
 }
