@@ -107,6 +107,12 @@ def test_numpy_code_gives_the_packages_numbers(name: str) -> None:
             assert np.abs(found - expected).max() < TOLERANCE * max(1, np.abs(expected).max())
 
 
+def test_code_names_the_robot_by_its_whole_hash() -> None:
+    base = rv.load("puma560").base_parameters()
+    text = str(base.code("c", "gravity"))
+    assert f"robot sha256 {base.certificate()['robot_sha256']}\n" in text
+
+
 @pytest.mark.parametrize("model", ["d", "d0", "h"])
 @pytest.mark.parametrize("name", ROBOTS)
 def test_a_compiled_regressor_is_the_regressor(name: str, model: rv.Model) -> None:
