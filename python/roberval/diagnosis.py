@@ -116,14 +116,19 @@ class Literal:
     Attributes
     ----------
     rank : int
-        The exact rank of the file as written.
+        The exact rank of the file as written, every decimal taken exactly (``snap="off"``).
+    as_meant : int
+        The same where 1.5707963267948966 means pi/2 and 1e-17 m means 0: numbers that miss only
+        the last digit of a double.
     blame : tuple of Blame
         The numbers that bring more base parameters when they are taken as written.
     near_misses : tuple of Blame
-        Numbers left as written that would bring another rank if they were set right.
+        Numbers left as written that look like roundings (1.57, 3.14), with the rank that they
+        would bring if they were set right, one text at a time and then all of them.
     """
 
     rank: int
+    as_meant: int
     blame: tuple[Blame, ...]
     near_misses: tuple[Blame, ...]
 
@@ -149,6 +154,8 @@ class Diagnosis:
         Largest miss of the relations at samples that decided nothing, relative.
     messages : tuple of str
         What the user should know.
+    warnings : tuple of str
+        Numbers of the file left as written that look like roundings, and what they would change.
     structure : Structure or None
         How the exact engine decided; None for the float engines.
     precision : Precision or None
@@ -166,6 +173,7 @@ class Diagnosis:
     gap: float | None
     residual: float
     messages: tuple[str, ...]
+    warnings: tuple[str, ...]
     structure: Structure | None
     precision: Precision | None
     witnesses: tuple[Witness, ...]
@@ -183,6 +191,7 @@ class Diagnosis:
             gap=core.gap,
             residual=core.residual,
             messages=tuple(core.messages),
+            warnings=tuple(core.warnings),
             structure=_structure(core, labels),
             precision=_precision(core, labels),
             witnesses=tuple(
@@ -221,5 +230,5 @@ def _precision(core: _core.Answer, labels: tuple[str, ...]) -> Precision | None:
 def _literal(core: _core.Answer) -> Literal | None:
     if core.literal is None:
         return None
-    rank, blame, near = core.literal
-    return Literal(rank, tuple(Blame(*b) for b in blame), tuple(Blame(*b) for b in near))
+    (rank, as_meant), blame, near = core.literal
+    return Literal(rank, as_meant, tuple(Blame(*b) for b in blame), tuple(Blame(*b) for b in near))

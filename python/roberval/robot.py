@@ -466,7 +466,8 @@ class Robot(Description):
         DoubtfulRankWarning
             The rank is in doubt: see the result's `diagnosis`.
         RobotWarning
-            There is no doubt, but the file as written has another number of base parameters.
+            There is no doubt, but the file as written has another number of base parameters, or
+            numbers that look like roundings (1.57, 3.14) were left as written.
 
         Examples
         --------

@@ -61,12 +61,19 @@ pub enum CertificateError {
     },
     /// The coefficients are not known well enough.
     #[error(
-        "coefficients without an exact form are known to {error:.1e} only, so that angles taken as generic may not be: give angles that are related as multiples of pi"
+        "{}: give angles that are related as multiples of pi, or with fewer digits", unsure(*error)
     )]
     Unsure {
         /// The relative error.
         error: f64,
     },
+}
+
+fn unsure(error: f64) -> String {
+    if error.is_finite() {
+        return format!("coefficients without an exact form are known to {error:.1e} only");
+    }
+    "448 binary digits do not tell the base columns from dependent ones".to_owned()
 }
 
 /// The certificate of a decision about this mechanism and model. See [`certificate_text`]

@@ -4,7 +4,7 @@ use roberval_linalg::RankDecision;
 use roberval_mechanism::ParameterSpace;
 
 use crate::engine::Judgement;
-use crate::{Engine, ExactDecision, Literal, NullspaceDecision, Precision};
+use crate::{Blame, Engine, ExactDecision, Literal, NullspaceDecision, Precision};
 
 /// The dropped and the kept part of the spectrum must be this far apart, or the rank is
 /// doubtful: clean geometry shows 1e10 and more.
@@ -17,6 +17,9 @@ const DUST: f64 = 1e-12;
 /// Coefficients without an exact form that are not known to this are no answer. Pairs of
 /// doubles know them to 1e-22; roundings of pi/2 taken as written cost up to all of that.
 const KNOWN_COEFFICIENT: f64 = 1e-9;
+
+/// Rounding may leave this many units in the last place of the terms of a relation.
+const ROUNDINGS: f64 = 1e3;
 
 /// Relations hold at fresh samples to this, relative to the column, or the rank is
 /// doubtful: rounding leaves 1e-12 on a 36-link chain.
@@ -48,6 +51,20 @@ pub struct Diagnosis {
     pub witnesses: Vec<Witness>,
     /// What the file as written gives, if it was cleaned.
     pub literal: Option<Literal>,
+}
+
+impl Diagnosis {
+    /// Numbers of the file that look like roundings and were left as written, and what they
+    /// would change, in sentences.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        let rank = match (&self.structure, &self.precision) {
+            (Some(structure), _) => structure.rank,
+            (None, Some(precision)) => precision.rank,
+            (None, None) => return Vec::new(),
+        };
+        let near = self.literal.iter().flat_map(|literal| &literal.near_misses);
+        near.map(|near| near.warning(rank)).collect()
+    }
 }
 
 /// The structural decision.
@@ -88,6 +105,15 @@ impl Opened {
             removed: removed.copied().collect(),
         }
     }
+}
+
+/// Relations at samples that decided nothing.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fresh {
+    /// The largest |W2 - W1 beta|, relative to the column.
+    pub residual: f64,
+    /// The largest |W1| |beta|, likewise: what rounding is multiplied by.
+    pub growth: f64,
 }
 
 /// What a float engine makes of the robot that the exact engine decided.
@@ -169,7 +195,7 @@ impl Diagnosis {
         opened: bool,
         judgements: &[(Engine, Judgement)],
         literal: Option<Literal>,
-        residual: f64,
+        fresh: Fresh,
     ) -> Self {
         let rank = exact.kept.len();
         let witnesses: Vec<Witness> = judgements
@@ -177,20 +203,8 @@ impl Diagnosis {
             .map(|(engine, judgement)| Witness::of(*engine, &judgement.decision, rank))
             .collect();
         let shown = judgements.first().map(|(_, judgement)| judgement);
-        let mut messages = Vec::new();
-        if residual > FRESH_RESIDUAL || residual.is_nan() {
-            // Not a number counts as too large.
-            let known = exact.rounding_error.le(&KNOWN_COEFFICIENT);
-            messages.push(if known {
-                format!(
-                    "at fresh samples the relations miss by {residual:.1e} of a column: please report this robot"
-                )
-            } else {
-                "coefficients cannot be computed at the angles as written: they are all but \
-                 related, as roundings of pi/2 are; let them be set right (--snap default)"
-                    .to_owned()
-            });
-        }
+        let mut messages = coefficient_doubts(exact, fresh);
+        messages.extend(contradiction(&witnesses, rank));
         let nullspace_rank = (!opened).then_some(tree.rank);
         if let Some(nullspace_rank) = nullspace_rank
             && nullspace_rank != rank
@@ -210,7 +224,8 @@ impl Diagnosis {
             messages.extend(literal.messages(rank));
         }
         if !exact.generic.is_empty() {
-            messages.push(generic_angles(&exact.generic));
+            let known = exact.rounding_error.le(&KNOWN_COEFFICIENT);
+            messages.push(generic_angles(&exact.generic, known));
         }
         Self {
             clear,
@@ -220,7 +235,7 @@ impl Diagnosis {
             spectrum_columns: shown.map(|j| j.columns.clone()).unwrap_or_default(),
             tolerance: shown.map_or(0.0, |j| j.decision.tolerance),
             gap: witnesses.first().and_then(|w| w.gap_at_structural),
-            residual,
+            residual: fresh.residual,
             messages,
             structure: Some(Structure {
                 rank,
@@ -241,22 +256,30 @@ impl Diagnosis {
 impl Literal {
     /// What the user should know of the file as written.
     pub(crate) fn messages(&self, rank: usize) -> Vec<String> {
-        let mut messages = Vec::new();
-        if self.rank != rank {
-            let causes: Vec<&str> = self.blame.iter().map(|b| b.what.as_str()).collect();
-            messages.push(format!(
-                "as written the file has {} base parameters instead of {rank}: {}",
-                self.rank,
-                causes.join("; ")
-            ));
+        if self.rank == rank {
+            return Vec::new();
         }
-        messages.extend(self.near_misses.iter().map(|near| {
-            format!(
-                "{}: left as written; changed, it would make {}",
-                near.what, near.rank
-            )
-        }));
-        messages
+        let causes: Vec<&str> = self.blame.iter().map(|b| b.what.as_str()).collect();
+        let meant = match self.as_meant {
+            meant if meant == self.rank => String::new(),
+            meant if meant == rank => ", for last digits of doubles only".to_owned(),
+            meant => format!(" ({meant} but for last digits of doubles)"),
+        };
+        vec![format!(
+            "as written the file has {} base parameters instead of {rank}{meant}: {}",
+            self.rank,
+            causes.join("; ")
+        )]
+    }
+}
+
+impl Blame {
+    fn warning(&self, rank: usize) -> String {
+        let change = match self.rank {
+            same if same == rank => format!("it would stay at {rank} base parameters"),
+            other => format!("it would make {other} base parameters of {rank}"),
+        };
+        format!("{}: left as written; set right, {change}", self.what)
     }
 }
 
@@ -265,6 +288,7 @@ impl Witness {
         let mut sorted = decision.spectrum.clone();
         sorted.sort_by(|a, b| b.total_cmp(a));
         let gap = (rank > 0 && rank < sorted.len()).then(|| sorted[rank - 1] / sorted[rank]);
+        let gap = gap.filter(|gap| !gap.is_nan()); // 0/0
         Self {
             engine,
             rank: decision.rank,
@@ -286,11 +310,51 @@ impl Witness {
     }
 }
 
+/// What is wrong with the coefficients of an exact decision.
+fn coefficient_doubts(exact: &ExactDecision, fresh: Fresh) -> Vec<String> {
+    let Fresh { residual, growth } = fresh;
+    let mut doubts = Vec::new();
+    // Not a number counts as too large.
+    let known = exact.rounding_error.le(&KNOWN_COEFFICIENT);
+    if !known {
+        doubts.push(
+            "448 binary digits do not tell the base columns from dependent ones: angles are \
+             related that count as unrelated, or all but related"
+                .to_owned(),
+        );
+    }
+    let missed = residual > FRESH_RESIDUAL || residual.is_nan();
+    if known && missed {
+        doubts.push(if residual <= ROUNDINGS * f64::EPSILON * growth {
+            "the coefficients are right, but of no use in doubles: numbers of the description \
+             all but cancel, as roundings of pi/2 do; let them be set right (--snap default)"
+                .to_owned()
+        } else {
+            format!(
+                "at fresh samples the relations miss by {residual:.1e} of a column: please report this robot"
+            )
+        });
+    }
+    doubts
+}
+
+/// All float engines see another rank, and clearly.
+fn contradiction(witnesses: &[Witness], rank: usize) -> Option<String> {
+    let seen = witnesses.first()?.rank;
+    let clear = |w: &Witness| w.rank == seen && w.gap.is_some_and(|gap| gap >= CLEAR_GAP);
+    (seen != rank && witnesses.iter().all(clear)).then(|| {
+        format!(
+            "all float engines count {seen} instead of {rank}, with a clear gap: numbers of the \
+             description all but cancel, as 1.2 + 0.7707963267948966 - 0.4 is nearly pi/2"
+        )
+    })
+}
+
 fn size(gap: Option<f64>) -> String {
     gap.map_or("none".to_owned(), |gap| format!("{gap:.1e}"))
 }
 
-fn generic_angles(texts: &[String]) -> String {
+fn generic_angles(texts: &[String], confirmed: bool) -> String {
     const MOST_NAMED: usize = 8;
     let named = texts[..texts.len().min(MOST_NAMED)].join(", ");
     let more = if texts.len() > MOST_NAMED {
@@ -298,9 +362,14 @@ fn generic_angles(texts: &[String]) -> String {
     } else {
         ""
     };
+    let confirmed = if confirmed {
+        "; 448 binary digits confirm the rank"
+    } else {
+        ""
+    };
     format!(
         "decided as if the angles {named}{more} (rad) were not related: they have too many digits \
-         for a common unit"
+         for a common unit{confirmed}"
     )
 }
 

@@ -1,7 +1,7 @@
 //! What the robot file says when it is taken literally, and what its doubtful angles
 //! would change.
 
-use roberval_mechanism::{Change, Cleaning, Mechanism, RobotDescription, apply};
+use roberval_mechanism::{Change, Cleaned, Cleaning, Mechanism, RobotDescription, apply};
 use roberval_regressor::Model;
 
 use crate::{BaseError, choose_exactly, decide_precisely};
@@ -12,12 +12,19 @@ const MOST_GROUPS: usize = 24;
 /// How the cleaned robot differs from the file as written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Literal {
-    /// The structural rank of the file as written, decimals taken exactly.
+    /// The structural rank of the file as written, every decimal taken exactly: what
+    /// [`roberval_mechanism::CleanMode::Off`] decides.
     pub rank: usize,
+    /// The same where numbers that only miss the last digit of a double
+    /// ([`Change::is_last_digit`]) mean what they are next to: 1.5707963267948966 is pi/2 as
+    /// well as a URDF can say it.
+    pub as_meant: usize,
     /// The numbers that alone bring more base parameters when they are taken as written,
-    /// with the rank they bring; all numbers that were changed, if none does alone.
+    /// with the rank they bring; all numbers that were changed, if none does alone. Those
+    /// that were changed most come first.
     pub blame: Vec<Blame>,
-    /// Numbers left as written that would bring another rank if they were changed.
+    /// Numbers left as written that look like roundings, with the rank that they would bring
+    /// if they were set right, one text at a time and, where there are several, all of them.
     pub near_misses: Vec<Blame>,
 }
 
@@ -45,34 +52,39 @@ pub(crate) fn literal(
     let rank_of = |description: &RobotDescription| rank_of(description, model, seed);
     let mut found = Literal {
         rank,
+        as_meant: rank,
         blame: Vec::new(),
-        near_misses: Vec::new(),
+        near_misses: near_misses(cleaned, rank_of)?,
     };
-    // A decimal that is the nearest double of pi/2 says pi/2 as well as a URDF can.
-    let (exact, changes): (Vec<Change>, Vec<Change>) = cleaned
-        .changes
-        .iter()
-        .cloned()
-        .partition(Change::is_last_digit);
-    if !changes.is_empty() {
-        let written = &apply(written, &exact);
+    if !cleaned.changes.is_empty() {
         found.rank = rank_of(written)?;
-        if found.rank != rank {
-            found.blame = blame(written, &changes, rank, found.rank, rank_of)?;
-        }
     }
-    let near: Vec<Change> = cleaned
-        .near_misses
-        .iter()
-        .map(|n| n.change.clone())
-        .collect();
-    for group in groups(&near).into_iter().take(MOST_GROUPS) {
-        let other = rank_of(&apply(&cleaned.description, &group))?;
-        if other != rank {
-            found.near_misses.push(Blame::of(&group, other));
-        }
+    if found.rank != rank {
+        let digits = cleaned.changes.iter().filter(|c| c.is_last_digit());
+        let digits: Vec<Change> = digits.cloned().collect();
+        found.as_meant = rank_of(&apply(written, &digits))?;
+        found.blame = blame(written, &cleaned.changes, rank, found.rank, rank_of)?;
     }
     Ok(Some(found))
+}
+
+/// What each group of near misses would change, and all of them.
+fn near_misses(
+    cleaned: &Cleaned,
+    rank_of: impl Fn(&RobotDescription) -> Result<usize, BaseError>,
+) -> Result<Vec<Blame>, BaseError> {
+    let near = cleaned.near_misses.iter().map(|n| n.change.clone());
+    let near: Vec<Change> = near.collect();
+    let mut groups = groups(&near);
+    groups.truncate(MOST_GROUPS);
+    if groups.len() > 1 {
+        groups.push(near);
+    }
+    let blame = |group: &Vec<Change>| {
+        let rank = rank_of(&apply(&cleaned.description, group))?;
+        Ok(Blame::of(group, rank))
+    };
+    groups.iter().map(blame).collect()
 }
 
 fn rank_of(description: &RobotDescription, model: Model, seed: u64) -> Result<usize, BaseError> {
@@ -94,7 +106,8 @@ fn blame(
     literal: usize,
     rank_of: impl Fn(&RobotDescription) -> Result<usize, BaseError>,
 ) -> Result<Vec<Blame>, BaseError> {
-    let groups = groups(changes);
+    let mut groups = groups(changes);
+    groups.sort_by(|a, b| b[0].size.total_cmp(&a[0].size));
     let mut blame = Vec::new();
     for group in groups.iter().take(MOST_GROUPS) {
         let others: Vec<Change> = changes
@@ -108,7 +121,7 @@ fn blame(
         }
     }
     if blame.is_empty() {
-        blame.push(Blame::of(changes, literal));
+        blame.push(Blame::of(&groups.concat(), literal));
     }
     Ok(blame)
 }
@@ -129,9 +142,11 @@ fn groups(changes: &[Change]) -> Vec<Vec<Change>> {
 
 impl Blame {
     fn of(group: &[Change], rank: usize) -> Self {
-        let more = match group.len() {
-            0 | 1 => String::new(),
-            n => format!(" (and {} more)", n - 1),
+        let alike = groups(group).len() == 1;
+        let more = match (group.len(), alike) {
+            (0 | 1, _) => String::new(),
+            (n, true) => format!(" (and {} more)", n - 1),
+            (n, false) => format!(" (with {} other numbers)", n - 1),
         };
         let first = group.first().map(Change::to_string).unwrap_or_default();
         Self {

@@ -5,6 +5,7 @@ use roberval_mechanism::Mechanism;
 use roberval_regressor::Model;
 use roberval_scalar::SplitMix64;
 
+use crate::diagnosis::Fresh;
 use crate::engine::{Finding, Judgement, complement};
 use crate::literal::{Literal, literal};
 use crate::observation::check_size;
@@ -140,7 +141,7 @@ fn by_factorisation(
     check_rows(&w)?;
     let finding = decide(&w, options)?;
     let (base, regrouped, beta) = in_column_order(&order, &finding);
-    let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
+    let fresh = at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
     let judgement = &finding.judgement;
     let columns = judgement.columns.iter().map(|&i| order[i]).collect();
     let diagnosis = Diagnosis::of(
@@ -149,7 +150,7 @@ fn by_factorisation(
         options.engine == Engine::Svd,
         &space,
         &observation.effects,
-        fresh,
+        fresh.residual,
     );
     Ok(BaseParameters::new(
         mechanism,
@@ -194,7 +195,7 @@ fn by_elimination(
     let beta = Matrix::from_fn(base.len(), regrouped.len(), |i, j| {
         beta_exact[i][j].to_f64()
     });
-    let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
+    let fresh = at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
     let witnesses = witnesses(&w, &effect, &options.tolerance)?;
     let literal = facts.literal(mechanism, options, base.len())?;
     let tree = facts.nullspace(mechanism, options.seed)?;
@@ -242,13 +243,13 @@ fn by_precision(
     let beta = Matrix::from_fn(base.len(), regrouped.len(), |i, j| {
         precise.beta[rows[i]][columns[j]]
     });
-    let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
+    let fresh = at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
     let witnesses = witnesses(&w, &effect, &options.tolerance)?;
     let literal = facts.literal(mechanism, options, base.len())?;
     let opened = mechanism.closure.is_some();
     let tree = opened.then(|| facts.nullspace(mechanism, options.seed));
     let tree = tree.transpose()?;
-    let diagnosis = Diagnosis::precise(&precise, tree, &witnesses, literal, fresh);
+    let diagnosis = Diagnosis::precise(&precise, tree, &witnesses, literal, fresh.residual);
     let no_effect = precise.no_effect;
     Ok(BaseParameters::new(
         mechanism,
@@ -408,23 +409,39 @@ impl Classes {
     }
 }
 
-/// The largest |W2 - W1 beta| at samples that decided nothing, relative to the column.
-fn residual_at_fresh_samples(
+/// How the relations hold at samples that decided nothing.
+fn at_fresh_samples(
     mechanism: &Mechanism,
     options: &Options,
     base: &[usize],
     regrouped: &[usize],
     beta: &Matrix,
-) -> Result<f64, BaseError> {
+) -> Result<Fresh, BaseError> {
     let samples = Samples::draw(mechanism, FEWEST_SAMPLES, options.seed.wrapping_add(0x5eed))?;
     let Observation { w, .. } = observe(mechanism, options.model, &samples)?;
     let (w1, w2) = (w.select_columns(base), w.select_columns(regrouped));
     let explained = w1.matmul(beta)?;
-    let worst = (0..w2.cols()).map(|j| {
-        let norm = w2.col(j).iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let miss = w2.col(j).iter().zip(explained.col(j));
-        let miss = miss.fold(0.0_f64, |m, (x, y)| m.max((x - y).abs()));
-        if miss == 0.0 { 0.0 } else { miss / norm }
-    });
-    Ok(worst.fold(0.0, f64::max))
+    let sizes = |m: &Matrix| Matrix::from_fn(m.rows(), m.cols(), |i, j| m[(i, j)].abs());
+    let terms = sizes(&w1).matmul(&sizes(beta))?;
+    let mut fresh = Fresh {
+        residual: 0.0,
+        growth: 0.0,
+    };
+    for j in 0..w2.cols() {
+        let largest = |x: &mut dyn Iterator<Item = f64>| x.map(f64::abs).fold(0.0, larger);
+        let norm = largest(&mut w2.col(j).iter().copied());
+        let pairs = w2.col(j).iter().zip(explained.col(j));
+        let miss = largest(&mut pairs.map(|(x, y)| x - y));
+        if miss != 0.0 {
+            fresh.residual = larger(fresh.residual, miss / norm);
+        }
+        let terms = largest(&mut terms.col(j).iter().copied());
+        fresh.growth = larger(fresh.growth, terms / norm);
+    }
+    Ok(fresh)
+}
+
+/// The larger of two; what is not a number counts as larger.
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
 }

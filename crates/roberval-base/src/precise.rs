@@ -78,7 +78,7 @@ pub fn decide_precisely(
     let each = model.rows(mechanism.independent());
     let count = Integer::div_ceil(&(3 * order.len()), &(2 * each)).max(FEWEST_SAMPLES) + 1;
     let samples = Samples::draw(mechanism, count, seed)?;
-    let mut columns = columns_of_w(mechanism, model, &samples)?;
+    let mut columns = columns_of_w::<DoubleDouble>(mechanism, model, &samples)?;
     let sizes = observation_rows(mechanism, model, &samples)?.largest_magnitudes();
     let mut zeros = Vec::new();
     // Columns are scaled by powers of two, those without effect by 0.

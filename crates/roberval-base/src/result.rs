@@ -110,6 +110,21 @@ impl BaseParameters {
         }
     }
 
+    /// Numbers of the robot's file that look like roundings (1.57, 3.14) and were left as
+    /// written, in sentences; by the exact and the precise engine with what they would change.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let told = self.diagnosis.warnings();
+        let near = self.mechanism.cleaning.iter();
+        match told.as_slice() {
+            [] => near
+                .flat_map(|cleaning| &cleaning.cleaned.near_misses)
+                .map(ToString::to_string)
+                .collect(),
+            _ => told,
+        }
+    }
+
     /// The certificate of this answer, as the text of a file: what was decided and how, for
     /// a checker that shares nothing with this program. Only the exact engine can give one.
     ///

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use roberval_base::{
-    CertificateError, CertificateNotes, Engine, ExactDecision, ExactNumber, Model, Witness,
-    certificate, certificate_text, decide_exactly,
+    CertificateError, CertificateNotes, Engine, ExactDecision, ExactNumber, Model, Options,
+    Witness, base_parameters, certificate, certificate_text, decide_exactly,
 };
 use roberval_mechanism::{Geometry, Mechanism, RobotDescription, SourceFormat};
 use roberval_scalar::Quantity;
-use roberval_testkit::{Angles, Family, make_planar};
+use roberval_testkit::{Angles, Family, literal_style, make_planar};
 
 /// Of the PUMA, the issue says; it takes a tenth.
 const LARGEST_CERTIFICATE: usize = 200_000;
@@ -359,6 +359,38 @@ fn turned(rolls: [&str; 3]) -> Mechanism {
         for roll in rolls {
             let mut turn = origins[0].clone();
             turn.xyz = [(); 3].map(|()| Quantity::zero());
+            turn.rpy[0] = Quantity::parse_angle(roll, &[]).expect("an angle");
+            origins.push(turn);
+        }
+        *axis = ["0", "0", "1"].map(number);
+    }
+    mechanism(&description)
+}
+
+/// An arm of three joints with parallel axes but for the second, which is turned out of the
+/// vertical by these angles.
+fn tilted(rolls: [&str; 3]) -> Mechanism {
+    let mut description = Family {
+        links: (3, 3),
+        prismatic: 0.0,
+        fixed: 0.0,
+        format: SourceFormat::Urdf,
+        ..Family::default()
+    }
+    .robot(1);
+    let number = |x: &str| Quantity::parse_angle(x, &[]).expect("a number");
+    description.gravity = ["0", "0", "-9.81"].map(number);
+    for (index, link) in description.links.iter_mut().enumerate() {
+        link.antecedent = (index > 0).then(|| index.to_string());
+        let Geometry::Placed { origins, axis } = &mut link.geometry else {
+            panic!("a URDF")
+        };
+        origins.truncate(1);
+        origins[0].xyz = ["0.1", "0.2", "0.3"].map(number);
+        origins[0].rpy = ["0"; 3].map(number);
+        for roll in rolls.iter().filter(|_| index == 1) {
+            let mut turn = origins[0].clone();
+            turn.xyz = ["0"; 3].map(number);
             turn.rpy[0] = number(roll);
             origins.push(turn);
         }
@@ -403,6 +435,49 @@ fn turns_by_decimals_that_cancel_are_seen_to_cancel() {
         assert!(decision.degree > expected.degree);
         let text = text(&robot, Model::D, &decision);
         files.write(&format!("accepted-{k}.json"), &text);
+    }
+    files.check("verdicts");
+}
+
+#[test]
+fn robots_that_are_all_but_singular_have_coefficients_and_accepted_certificates() {
+    let files = Files::new("singular");
+    let right = decide(&tilted(["pi/2", "0", "0"]), Model::D);
+    for (k, rolls) in [
+        ["1.5707963267948966", "0", "0"],
+        ["1.57079632679", "0", "0"],
+        ["1.2", "0.7707963267948966", "-0.4"],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let robot = tilted(rolls);
+        let decision = decide(&robot, Model::D);
+        assert!(decision.kept.len() > right.kept.len(), "{rolls:?}");
+        let error = decision.rounding_error;
+        assert!(error < 1e-20, "{rolls:?}: {error:e}");
+        let options = Options {
+            engine: Engine::Qr,
+            ..Options::default()
+        };
+        let floats = base_parameters(&robot, &options).expect("valid");
+        assert_eq!(floats.rank(), right.kept.len(), "{rolls:?}");
+        let text = text(&robot, Model::D, &decision);
+        files.write(&format!("accepted-{k}.json"), &text);
+    }
+    // Right angles of whole arms in the digits of doubles, taken as written.
+    for seed in 0..12 {
+        let family = Family {
+            links: (4, 6),
+            angles: Angles::Right,
+            ..Family::default()
+        };
+        let robot = mechanism(&literal_style(&family.robot(seed), 16));
+        let decision = decide(&robot, Model::D);
+        let error = decision.rounding_error;
+        assert!(error < 1e-20, "robot {seed}: {error:e}");
+        let text = text(&robot, Model::D, &decision);
+        files.write(&format!("accepted-arm-{seed}.json"), &text);
     }
     files.check("verdicts");
 }

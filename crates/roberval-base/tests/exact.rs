@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
-use roberval_base::{Engine, ExactNumber, Model, Options, base_parameters, decide_exactly};
-use roberval_mechanism::{Mechanism, SourceFormat};
-use roberval_testkit::{Angles, Family};
+use roberval_base::{
+    Engine, ExactNumber, Model, Options, base_parameters, choose_exactly, decide_exactly,
+};
+use roberval_mechanism::{CleanPolicy, Mechanism, RobotDescription, SourceFormat, clean};
+use roberval_testkit::{Angles, Family, literal_style};
 use serde_json::Value;
 
 fn puma() -> Mechanism {
@@ -136,4 +138,41 @@ fn robots_with_angles_of_fifteen_degrees_have_coefficients_with_square_roots() {
         }
     }
     assert!(surds > 50, "only {surds} coefficients with square roots");
+}
+
+/// The decimals of right angles in files: a double's, and roundings of them.
+const STYLES: [usize; 6] = [16, 11, 9, 6, 5, 4];
+
+#[test]
+fn robots_written_with_any_number_of_decimals_have_the_rank_of_the_exact_ones() {
+    let rank = |robot: &RobotDescription| {
+        let robot = Mechanism::new(robot).expect("valid");
+        let kept = choose_exactly(&robot, Model::D, &all_columns(&robot), 1);
+        kept.expect("in a field").len()
+    };
+    let mut literal = 0;
+    for seed in 0..300 {
+        let family = Family {
+            format: [SourceFormat::Mdh, SourceFormat::Urdf][seed as usize % 2],
+            angles: [Angles::Right, Angles::Fifteens][seed as usize / 2 % 2],
+            ..Family::default()
+        };
+        let robot = family.robot(seed);
+        let expected = rank(&robot);
+        for decimals in STYLES {
+            let styled = literal_style(&robot, decimals);
+            let cleaned = clean(&styled, &CleanPolicy::default()).description;
+            assert_eq!(
+                rank(&cleaned),
+                expected,
+                "robot {seed}, {decimals} decimals"
+            );
+        }
+        literal += usize::from(rank(&literal_style(&robot, 4)) != expected);
+    }
+    // The study is about something.
+    assert!(
+        literal > 100,
+        "{literal} robots have another rank as written"
+    );
 }

@@ -93,11 +93,14 @@ fn base(
     let options = args.method.options(&args.choice)?;
     let certificate = beside("--certificate", args.certificate.as_deref())?;
     let report = beside("--report", args.report.as_deref())?;
-    let mut doubts = Vec::new();
+    let (mut doubts, mut refused) = (Vec::new(), None);
     answer(&args.output, out, look, |format| {
         let mechanism = load(&args.robot.robot, &args.robot.reading)?;
         warn(&mechanism, err);
         let answer = base_parameters(&mechanism, &options)?;
+        for warning in answer.warnings() {
+            say(err, "warning", &warning);
+        }
         let messages = &answer.diagnosis.messages;
         if answer.diagnosis.clear {
             messages.iter().for_each(|m| say(err, "note", m));
@@ -105,8 +108,13 @@ fn base(
             doubts.clone_from(messages);
         }
         if let Some(target) = &certificate {
-            let text = answer.certificate()?;
-            target.write(&mut std::io::sink(), |sink| sink.write_all(text.as_bytes()))?;
+            match answer.certificate() {
+                Ok(text) => {
+                    target.write(&mut std::io::sink(), |sink| sink.write_all(text.as_bytes()))?;
+                }
+                // The answer itself is none the worse for it.
+                Err(error) => refused = Some(error),
+            }
         }
         if let Some(target) = &report {
             let page = tables::report(&answer);
@@ -114,7 +122,8 @@ fn base(
         }
         Ok(tables::base(&answer, format))
     })?;
-    Ok(verdict(&doubts, err))
+    let code = verdict(&doubts, err);
+    refused.map_or(Ok(code), |error| Err(error.into()))
 }
 
 fn symbolic(
@@ -187,14 +196,23 @@ fn clean(args: &CleanArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<i
         say(err, "warning", &near_miss.to_string());
     }
     let exact = changes.iter().filter(|c| c.is_last_digit()).count();
-    let count = changes.len() - exact;
-    say(
-        err,
-        "note",
-        &format!("{count} numbers changed, {exact} more were exact to the last digit"),
-    );
+    say(err, "note", &tally(changes.len() - exact, exact));
     target.write(out, |sink| sink.write_all(text.as_bytes()))?;
     Ok(CLEAR)
+}
+
+/// `2 numbers were changed; 1 was exact to the last digit`.
+fn tally(changed: usize, exact: usize) -> String {
+    let changed = match changed {
+        0 => "no number was changed".to_owned(),
+        1 => "1 number was changed".to_owned(),
+        n => format!("{n} numbers were changed"),
+    };
+    match exact {
+        0 => changed,
+        1 => format!("{changed}; 1 was exact to the last digit"),
+        n => format!("{changed}; {n} were exact to the last digit"),
+    }
 }
 
 fn compare(

@@ -164,6 +164,85 @@ fn a_rounding_is_set_right_by_default_and_the_file_as_written_reported() {
     assert!(run.out.contains("Structural rank 9"), "{}", run.out);
 }
 
+/// An arm whose second axis is turned out of the vertical by fixed joints and its own origin.
+fn tilted(rolls: [&str; 3]) -> String {
+    let joint = |name: &str, kind: &str, [parent, child]: [&str; 2], xyz: &str, roll: &str| {
+        format!(
+            r#"<link name="{child}"/><joint name="{name}" type="{kind}"><parent link="{parent}"/>
+            <child link="{child}"/><origin xyz="{xyz}" rpy="{roll} 0 0"/><axis xyz="0 0 1"/></joint>"#
+        )
+    };
+    [
+        r#"<robot name="tilted"><link name="base"/>"#.to_owned(),
+        joint("j1", "continuous", ["base", "l1"], "0 0 0.3", "0"),
+        joint("f1", "fixed", ["l1", "a"], "0.1 0.2 0", rolls[0]),
+        joint("f2", "fixed", ["a", "b"], "0 0 0", rolls[1]),
+        joint("j2", "continuous", ["b", "l2"], "0 0 0", rolls[2]),
+        joint("j3", "continuous", ["l2", "l3"], "0.4 0 0", "0"),
+        "</robot>".to_owned(),
+    ]
+    .concat()
+}
+
+#[test]
+fn angles_that_add_up_to_a_right_one_but_for_the_last_digit_are_doubtful() {
+    let folder = Folder::new("sum");
+    let robot = folder.file("sum.urdf", tilted(["1.2", "0.7707963267948966", "-0.4"]));
+    let run = roberval(&["base", &robot]);
+    assert_eq!(run.code, 1, "{}", run.err);
+    assert!(
+        run.err.contains("doubt: all float engines count"),
+        "{}",
+        run.err
+    );
+    let robot = folder.file("clear.urdf", tilted(["1.2", "0.77", "-0.4"]));
+    let run = roberval(&["base", &robot]);
+    assert_eq!(run.code, 0, "{}", run.err);
+}
+
+#[test]
+fn near_misses_are_warnings_that_say_what_they_would_change() {
+    let folder = Folder::new("near");
+    let robot = folder.file("near.urdf", tilted(["1.57", "0", "0"]));
+    let run = roberval(&["base", &robot]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let near =
+        "warning: f1 rpy[0] = 1.57 is 8.0e-4 rad from pi/2: left as written; set right, it would";
+    assert!(run.err.contains(near), "{}", run.err);
+    assert!(run.err.contains(" make "), "{}", run.err);
+    let run = roberval(&["base", &robot, "--engine", "qr"]);
+    assert!(run.err.contains("warning: f1 rpy[0] = 1.57"), "{}", run.err);
+    let robot = folder.file(
+        "same.urdf",
+        tilted(["0", "0", "0"]).replacen("0 0 0\"", "0 0 1.57\"", 1),
+    );
+    let run = roberval(&["base", &robot]);
+    assert!(run.err.contains("it would stay at"), "{}", run.err);
+}
+
+#[test]
+fn a_file_taken_as_written_has_the_same_count_in_the_note_and_by_request() {
+    let folder = Folder::new("written");
+    let robot = folder.file("r.urdf", tilted(["1.5707963267948966", "0", "0"]));
+    let literal = roberval(&["base", &robot, "--snap", "off"]);
+    assert_eq!(literal.code, 1, "doubtful: {}", literal.err);
+    let rank = literal
+        .out
+        .split("Structural rank ")
+        .nth(1)
+        .expect("a rank");
+    let rank = rank.split(' ').next().expect("a number");
+    let run = roberval(&["base", &robot]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let note = format!("as written the file has {rank} base parameters instead of");
+    assert!(run.err.contains(&note), "{}", run.err);
+    assert!(
+        run.err.contains("for last digits of doubles only"),
+        "{}",
+        run.err
+    );
+}
+
 #[test]
 fn clear_ranks_have_exit_code_0_for_every_built_in_robot() {
     let list = roberval(&["show", "--format", "csv"]);

@@ -122,6 +122,7 @@ fn json_has_the_keys_that_others_rely_on() {
             "gap",
             "residual",
             "messages",
+            "warnings",
             "structural",
             "precision",
             "float",

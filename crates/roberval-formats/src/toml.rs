@@ -16,7 +16,7 @@ use toml_edit::{Document, Item, TableLike};
 use crate::error::{Code, FormatError};
 use crate::source::{Source, check_size, stem};
 use crate::suspects;
-use crate::words::{nearest, quoted};
+use crate::words::{cut, nearest, quoted};
 pub use clean::clean_toml;
 pub(crate) use clean::with_places;
 use section::{Section, one};
@@ -124,9 +124,9 @@ fn syntax(source: &Source, error: &toml_edit::TomlError) -> FormatError {
         Code::Toml
     };
     let offset = error.span().map_or(0, |span| span.start);
-    let mut error = source.error(code, offset, what);
+    let mut error = source.error(code, offset, cut(&what));
     if let Some(place) = unread_place(&source.text[..offset]) {
-        error = error.place(place);
+        error = error.place(cut(&place));
     }
     if code == Code::NotFinite {
         error = error.hint("the largest number is 1.797e308");

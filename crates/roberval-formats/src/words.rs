@@ -1,10 +1,21 @@
 //! Words for messages.
 
+use crate::error::visible;
+
 /// A text for a message: quoted, control characters escaped, cut when long.
 pub(crate) fn quoted(text: &str) -> String {
     let head: String = text.chars().take(60).collect();
     let dots = if head.len() < text.len() { "..." } else { "" };
     format!("{head:?}{dots}")
+}
+
+/// A text for a message without quotes: control characters escaped, cut when long.
+pub(crate) fn cut(text: &str) -> String {
+    const LONGEST: usize = 200;
+    let shown = visible(text);
+    let head: String = shown.chars().take(LONGEST).collect();
+    let dots = if head.len() < shown.len() { "..." } else { "" };
+    head + dots
 }
 
 /// Names in quotes with commas between them, at most eight of them.

@@ -12,7 +12,7 @@ use roberval_testkit::{Angles, Family, angles_mut, dusty, lengths_mut, literal_s
 /// The decimals of the literal-style study. With three the rounding error may be 5e-4.
 const STYLES: [usize; 6] = [16, 11, 9, 6, 5, 4];
 
-/// Fifty robots for each of the six styles.
+/// Robots of the study, each written in all six styles.
 const ROBOTS: u64 = 300;
 
 /// An angle of the robot's own, rad: twice as far from every k pi/12 as a rounding.

@@ -131,13 +131,13 @@ impl Answer {
         self.answer.diagnosis.witnesses.iter().map(row).collect()
     }
 
-    /// What the file as written gives: rank, numbers to blame, near misses.
+    /// What the file as written gives: its rank and that as meant, numbers to blame, near misses.
     #[getter]
     fn literal(&self) -> Option<LiteralRow> {
         let literal = self.answer.diagnosis.literal.as_ref()?;
         let rows = |blame: &[Blame]| blame.iter().map(|b| (b.what.clone(), b.rank)).collect();
         Some((
-            literal.rank,
+            (literal.rank, literal.as_meant),
             rows(&literal.blame),
             rows(&literal.near_misses),
         ))
@@ -175,6 +175,11 @@ impl Answer {
     #[getter]
     fn messages(&self) -> Vec<String> {
         self.answer.diagnosis.messages.clone()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.answer.warnings()
     }
 
     /// The relations that are not trivial, in the field's notation.
@@ -242,7 +247,7 @@ impl Answer {
 type WitnessRow = (&'static str, usize, Option<f64>, Option<f64>, Vec<f64>, f64);
 type PrecisionRow = (usize, f64, (Option<f64>, Option<f64>), usize, usize);
 type StructureRow = (usize, Vec<u64>, Vec<u64>, f64, Vec<String>);
-type LiteralRow = (usize, Vec<(String, usize)>, Vec<(String, usize)>);
+type LiteralRow = ((usize, usize), Vec<(String, usize)>, Vec<(String, usize)>);
 
 /// A coefficient as Python builds it: "363/1250", [(n, "r")] for sums of r sqrt(n), float.
 #[derive(IntoPyObject)]

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use roberval_mechanism::{
     Assembly, LinkFrame, Linkage, Mechanism, NotClosed, Pose, Walk, couple_laws,
 };
-use roberval_scalar::{DoubleDouble, Quantity, Real};
+use roberval_scalar::{Quantity, Real};
 
 use crate::{JointStates, NotInField, Transmission, Tree};
 
@@ -96,14 +96,14 @@ fn dense<T: Copy>(row: &[T]) -> Vec<(usize, T)> {
     row.iter().copied().enumerate().collect()
 }
 
-/// The linkage of a mechanism in pairs of doubles: its tree, with axes of length 1, is
-/// known in them, and `poses` places the frames of its loops.
-pub(crate) fn precise_linkage(
+/// The linkage of a mechanism in numbers of any precision: its tree, with axes of length
+/// 1, is known in them, and `poses` places the frames of its loops.
+pub(crate) fn precise_linkage<T: Real>(
     mechanism: &Mechanism,
     assembly: &Assembly,
-    tree: &Tree<DoubleDouble>,
-    poses: impl FnMut(&roberval_mechanism::Origin) -> Result<Pose<DoubleDouble>, NotInField>,
-) -> Result<Linkage<DoubleDouble>, NotInField> {
+    tree: &Tree<T>,
+    poses: impl FnMut(&roberval_mechanism::Origin) -> Result<Pose<T>, NotInField>,
+) -> Result<Linkage<T>, NotInField> {
     let constants: &[(String, Quantity)] = &mechanism.description.constants;
     let loops = mechanism.loop_frames(poses)?;
     let couples = couple_laws(mechanism.couples().as_ref(), constants);

@@ -1,6 +1,5 @@
 //! Numbers of about 104 bits: the sum of two doubles (Dekker 1971).
 
-mod evaluate;
 mod series;
 #[cfg(test)]
 mod tests;

@@ -3,12 +3,14 @@
 //! * [`Scalar`]: the few operations that the regressor's recursion needs, so that one
 //!   source runs over floats, magnitudes (error bounds), finite fields and expressions.
 //! * [`Formula`]: expressions of joint variables, with their derivatives ([`Jet`]).
+//! * [`DoubleDouble`], [`Wide`]: numbers of 104 bits, and of 448 behind the point.
 //! * [`Lanes`]: several floats side by side, as many as the processor can take.
 //! * [`Decimal`], [`Expr`], [`Quantity`]: numbers as the user wrote them, kept exactly.
 
 mod cancel;
 mod double_double;
 mod field;
+mod fixed_point;
 mod formula;
 mod lanes;
 mod linear;
@@ -20,6 +22,8 @@ mod random;
 mod real;
 mod scalar;
 pub mod vector;
+mod wide;
+mod written;
 
 pub use cancel::{Cancelled, cancellable, cancellation_point};
 pub use double_double::DoubleDouble;
@@ -37,3 +41,4 @@ pub use primes::{is_prime, random_prime};
 pub use random::SplitMix64;
 pub use real::{Analytic, Real};
 pub use scalar::{Lift, Scalar};
+pub use wide::Wide;

@@ -3,6 +3,7 @@ use std::ops::Div;
 use num_rational::BigRational;
 use num_traits::Zero;
 
+use crate::written::{OfLinear, cos_sin_of_expr, of_expr};
 use crate::{DoubleDouble, LinearInPi, Quantity, Scalar};
 
 /// Real numbers of some precision: what positions of joints that depend on others are
@@ -11,6 +12,11 @@ pub trait Real: Scalar + Div<Output = Self> + From<f64> {
     /// The value of a number as written; `None` where it has none (a division by zero, a
     /// root of a negative number).
     fn of_quantity(quantity: &Quantity, constants: &[(String, Quantity)]) -> Option<Self>;
+    /// Cosine and sine of an angle as written; `None` where it has no value.
+    fn cos_sin_of_quantity(
+        angle: &Quantity,
+        constants: &[(String, Quantity)],
+    ) -> Option<(Self, Self)>;
     /// The nearest double.
     fn to_f64(self) -> f64;
     /// Cosine and sine. Not numbers unless the angle is finite.
@@ -57,6 +63,10 @@ impl Real for f64 {
         Some(quantity.value)
     }
 
+    fn cos_sin_of_quantity(angle: &Quantity, _: &[(String, Quantity)]) -> Option<(Self, Self)> {
+        Some(Real::cos_sin(angle.value))
+    }
+
     fn to_f64(self) -> f64 {
         self
     }
@@ -75,9 +85,30 @@ impl Real for f64 {
     }
 }
 
+impl OfLinear for DoubleDouble {
+    fn of_linear(x: &LinearInPi) -> Self {
+        Self::of_linear(x)
+    }
+
+    fn cos_sin_of_linear(angle: &LinearInPi) -> (Self, Self) {
+        Self::cos_sin(angle)
+    }
+
+    fn to_rational(self) -> BigRational {
+        Self::to_rational(self)
+    }
+}
+
 impl Real for DoubleDouble {
     fn of_quantity(quantity: &Quantity, constants: &[(String, Quantity)]) -> Option<Self> {
-        Self::of_expr(&quantity.expr, constants)
+        of_expr(&quantity.expr, constants)
+    }
+
+    fn cos_sin_of_quantity(
+        angle: &Quantity,
+        constants: &[(String, Quantity)],
+    ) -> Option<(Self, Self)> {
+        cos_sin_of_expr(&angle.expr, constants)
     }
 
     fn to_f64(self) -> f64 {

@@ -137,7 +137,8 @@ fn bracketed(text: String) -> String {
 }
 
 /// A coefficient of beta: a fraction, a sum with square roots, or, after `nearest`, the
-/// double as `m/2^k` with the 53 bits of m.
+/// double as `m*2^k` with the 53 bits of m; `0*2^-256` for what is nearer to 0 than half of
+/// that.
 pub(super) fn coefficient(x: &ExactNumber) -> String {
     match x {
         ExactNumber::Rational(r) => r.to_string(),
@@ -149,15 +150,19 @@ pub(super) fn coefficient(x: &ExactNumber) -> String {
             terms.iter().map(term).collect::<Vec<_>>().join(" + ")
         }
         ExactNumber::Rounded(x) => {
-            let exact = BigRational::from_float(*x).unwrap_or_else(BigRational::zero);
-            let more = 53_u64.saturating_sub(exact.numer().bits());
-            format!(
-                "nearest {}/{}",
-                exact.numer() << more,
-                exact.denom() << more
-            )
+            let (m, k) = if x.is_normal() { parts(*x) } else { (0, -256) };
+            format!("nearest {m}*2^{k}")
         }
     }
+}
+
+/// (m, k) of the normal double m 2^k, m having 53 bits.
+fn parts(x: f64) -> (i64, i64) {
+    const FRACTION: u32 = f64::MANTISSA_DIGITS - 1;
+    let bits = x.abs().to_bits();
+    let m = (1 << FRACTION | bits & ((1 << FRACTION) - 1)) as i64;
+    let k = (bits >> FRACTION) as i64 - 1075;
+    (if x < 0.0 { -m } else { m }, k)
 }
 
 #[cfg(test)]
@@ -198,5 +203,21 @@ mod tests {
             exact_text(&last, &constants),
             Err(CertificateError::TooLong { .. })
         ));
+    }
+
+    #[test]
+    fn doubles_are_written_with_all_their_bits() {
+        let text = |x: f64| coefficient(&ExactNumber::Rounded(x));
+        assert_eq!(text(1.0), "nearest 4503599627370496*2^-52");
+        assert_eq!(text(-0.1), "nearest -7205759403792794*2^-56");
+        assert_eq!(text(2_f64.powi(70)), "nearest 4503599627370496*2^18");
+        assert_eq!(text(0.0), "nearest 0*2^-256");
+        for x in [1e300, -1e-300, 5.2e16, 1.0 / 3.0] {
+            let (m, k) = parts(x);
+            assert_eq!(
+                m as f64 * 2_f64.powi(k as i32 / 2) * 2_f64.powi(k as i32 - k as i32 / 2),
+                x
+            );
+        }
     }
 }

@@ -5,7 +5,7 @@ use roberval_regressor::{AngleOrder, Model, NoValue, NotInField};
 
 use super::coefficients::coefficients;
 use super::number::ExactNumber;
-use super::rounded::round_open_entries;
+use super::rounded::{round_open_entries, wide::independent};
 use super::run::{Goal, Run, run};
 use crate::SampleError;
 
@@ -34,7 +34,7 @@ pub struct ExactDecision {
     /// The largest relative error that a coefficient without an exact form may have had
     /// before it was rounded: 0 if all have one; else about 1e-28. Infinite or large if
     /// the kept columns are not independent after all, which takes angles that stand for
-    /// generic ones and are not.
+    /// generic ones and are not: with such angles, wide numbers are asked.
     pub rounding_error: f64,
     /// The primes of the fields that agreed.
     pub primes: Vec<u64>,
@@ -103,14 +103,11 @@ pub fn decide_exactly(
     let samples = runs.iter().map(|r| r.samples).collect();
     let failure_probability = failure_probability(&runs);
     let first = runs.swap_remove(0);
-    let rounding_error = round_open_entries(
-        mechanism,
-        model,
-        &first.kept,
-        &first.deleted,
-        &mut beta,
-        seed,
-    )?;
+    let (kept, deleted) = (&first.kept, &first.deleted);
+    let mut rounding_error = round_open_entries(mechanism, model, kept, deleted, &mut beta, seed)?;
+    if !first.generic.is_empty() && !independent(mechanism, model, kept, seed)? {
+        rounding_error = f64::INFINITY;
+    }
     Ok(ExactDecision {
         order: order.to_vec(),
         angle_order: angles.get(),

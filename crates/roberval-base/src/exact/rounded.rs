@@ -1,10 +1,11 @@
 //! Coefficients without an exact form, correctly rounded: W2 = W1 beta is solved in pairs
-//! of doubles, for the entries that the prime fields know to be there and have not named.
+//! of doubles, for the entries that the prime fields know to be there and have not named;
+//! where the robot is all but singular, in wide numbers.
 
 use num_integer::Integer;
 use roberval_mechanism::Mechanism;
 use roberval_regressor::{Model, PreciseModel};
-use roberval_scalar::{DoubleDouble, cancellation_point};
+use roberval_scalar::{DoubleDouble, Real, cancellation_point};
 
 use super::ExactError;
 use super::number::ExactNumber;
@@ -12,14 +13,16 @@ use crate::Samples;
 
 #[cfg(test)]
 mod tests;
+pub(super) mod wide;
 
 /// Relative error asked for: a number lies so close to the middle of two doubles, where
 /// the error would decide, with a probability of 2^-26.
 const WANTED_ERROR: f64 = 1.0 / (1_u128 << 80) as f64;
 
-/// Sets of samples tried until all errors are small; each is twice as large. Long chains
-/// with tiny coefficients stop at 1e-22: still 1e-6 of what decides a rounding.
-const MOST_SETS: usize = 4;
+/// Sets of samples tried in pairs of doubles; each is twice as large. Long chains with tiny
+/// coefficients stop at 1e-22, roundings of pi/2 taken as written anywhere: these are left
+/// to wide numbers.
+const MOST_SETS: usize = 2;
 
 /// Refinements at most; each wins at least one digit, or is the last.
 const MOST_REFINEMENTS: usize = 40;
@@ -47,16 +50,15 @@ pub(super) fn round_open_entries(
     let mut columns: Vec<usize> = (0..deleted.len())
         .filter(|&j| beta.iter().any(|row| is_open(&row[j])))
         .collect();
-    let (mut worst, mut set) = (0.0_f64, 0);
-    while !columns.is_empty() {
-        let last = set + 1 == MOST_SETS;
+    let mut worst = 0.0_f64;
+    for set in 0..MOST_SETS {
+        if columns.is_empty() {
+            return Ok(worst);
+        }
         let rows = (kept.len() + deleted.len()) << (1 + set);
-        let per_sample = model.rows(mechanism.independent());
-        let count = Integer::div_ceil(&rows, &per_sample) + 1;
-        let samples = Samples::draw(mechanism, count, seed.wrapping_add(set as u64))?;
-        let w = columns_of_w(mechanism, model, &samples)?;
-        let mut again = Vec::new();
-        for &j in &columns {
+        let samples = samples_for(mechanism, model, rows, seed.wrapping_add(set as u64))?;
+        let w = columns_of_w::<DoubleDouble>(mechanism, model, &samples)?;
+        columns.retain(|&j| {
             cancellation_point();
             let unknown = open(beta, j);
             let known = known_part(beta, kept, &w, j);
@@ -64,34 +66,55 @@ pub(super) fn round_open_entries(
             let a: Vec<&[DoubleDouble]> = unknown.iter().map(|&i| &w[kept[i]][..]).collect();
             let solution = Solution::of(&a, &rest);
             let error = solution.relative_error();
-            if error <= WANTED_ERROR || last {
+            let known = error <= WANTED_ERROR;
+            if known {
                 worst = worst.max(error);
                 for (&i, x) in unknown.iter().zip(&solution.x) {
                     beta[i][j] = ExactNumber::Rounded(x.to_f64());
                 }
-            } else {
-                again.push(j);
+            }
+            !known
+        });
+    }
+    if !columns.is_empty() {
+        let gone: Vec<usize> = columns.iter().map(|&j| deleted[j]).collect();
+        let solution = wide::solve(mechanism, model, kept, &gone, seed)?;
+        for (at, &j) in columns.iter().enumerate() {
+            for i in open(beta, j) {
+                let (x, error) = solution.entry(i, at);
+                beta[i][j] = ExactNumber::Rounded(x);
+                worst = worst.max(error);
             }
         }
-        columns = again;
-        set += 1;
     }
     Ok(worst)
 }
 
-/// All columns of W at these samples in pairs of doubles; those of h are differences to
-/// the first sample's.
-pub(crate) fn columns_of_w(
+/// Samples for at least `rows` rows, and one that those of h refer to.
+fn samples_for(
+    mechanism: &Mechanism,
+    model: Model,
+    rows: usize,
+    seed: u64,
+) -> Result<Samples, ExactError> {
+    let each = model.rows(mechanism.independent());
+    let count = Integer::div_ceil(&rows, &each) + 1;
+    Ok(Samples::draw(mechanism, count, seed)?)
+}
+
+/// All columns of W at these samples in numbers of this precision; those of h are
+/// differences to the first sample's.
+pub(crate) fn columns_of_w<T: Real>(
     mechanism: &Mechanism,
     model: Model,
     samples: &Samples,
-) -> Result<Vec<Vec<DoubleDouble>>, ExactError> {
-    let precise = PreciseModel::new(mechanism)?;
+) -> Result<Vec<Vec<T>>, ExactError> {
+    let precise = PreciseModel::<T>::new(mechanism)?;
     let (n, c) = (mechanism.independent(), mechanism.parameters().len());
     let per_sample = model.rows(n);
     let count = samples.count;
     let mut work = precise.workspace();
-    let mut sample = vec![DoubleDouble::ZERO; per_sample * c];
+    let mut sample = vec![T::from(0.0); per_sample * c];
     let mut reference = None;
     let mut columns = vec![Vec::with_capacity(count * per_sample); c];
     for k in 0..count {

@@ -45,6 +45,13 @@ fn a_file_with_any_byte_changed_never_panics() {
 }
 
 #[test]
+fn keys_of_any_length_are_cut_in_messages() {
+    // A key of hundreds of invisible signs before a fault: found by fuzzing.
+    let text = format!("[[link]]\n{} = inf, x = 1\n", "\u{202e}".repeat(500));
+    assert_eq!(code(parse_toml(&text, "r.toml")), Code::Toml);
+}
+
+#[test]
 fn deep_nesting_ends_in_a_limit() {
     let deep = |n: usize| format!("<robot name='r'>{}", "<a>".repeat(n));
     assert_eq!(code(urdf(&deep(300))), Code::TooDeep);

@@ -1,30 +1,34 @@
-//! The recursion in pairs of doubles: the robot as written, to about 100 bits.
+//! The recursion in numbers of many digits: the robot as written, in pairs of doubles to
+//! about 100 bits.
+
+use std::marker::PhantomData;
 
 use roberval_mechanism::{JointKind, Mechanism, Origin, ParameterSpace};
-use roberval_scalar::{DoubleDouble, Quantity, Real};
+use roberval_scalar::{Quantity, Real};
 
 use super::NotInField;
 use super::geometry::{Numbers, Rotation, RowsWorkspace, pose, tree};
 use crate::loops::{LoopExpansion, precise_linkage};
 use crate::{BaseState, Body, Constants, Expansion, JointMotion, Model, NoValue, Tree};
 
-/// A robot in double-double arithmetic: gives regressor rows at states near those asked
-/// for.
+/// A robot in pairs of doubles or wide numbers: gives regressor rows at states near those
+/// asked for.
 #[derive(Debug, Clone)]
-pub struct PreciseModel {
-    tree: Tree<DoubleDouble>,
-    expansion: Option<Expansion<DoubleDouble>>,
+pub struct PreciseModel<T> {
+    tree: Tree<T>,
+    expansion: Option<Expansion<T>>,
     space: ParameterSpace,
 }
 
-impl PreciseModel {
+impl<T: Real> PreciseModel<T> {
     /// The mechanism's description to the precision of the numbers.
     ///
     /// # Errors
     /// [`NotInField::Inverse`] if an expression of the description divides by zero.
     pub fn new(mechanism: &Mechanism) -> Result<Self, NotInField> {
-        let mut numbers = Pairs {
+        let mut numbers = Written {
             constants: &mechanism.description.constants,
+            numbers: PhantomData,
         };
         let mut tree = tree(mechanism, &mut numbers)?;
         let expansion = match &mechanism.assembly {
@@ -46,13 +50,13 @@ impl PreciseModel {
 
     /// The robot's constants.
     #[must_use]
-    pub fn tree(&self) -> &Tree<DoubleDouble> {
+    pub fn tree(&self) -> &Tree<T> {
         &self.tree
     }
 
     /// Working memory for [`PreciseModel::fill`].
     #[must_use]
-    pub fn workspace(&self) -> RowsWorkspace<DoubleDouble> {
+    pub fn workspace(&self) -> RowsWorkspace<T> {
         let mut work = RowsWorkspace::new(&self.tree);
         work.joints = self.expansion.as_ref().map(Expansion::states);
         work
@@ -73,13 +77,13 @@ impl PreciseModel {
         &self,
         model: Model,
         [q, qd, qdd]: [&[f64]; 3],
-        work: &mut RowsWorkspace<DoubleDouble>,
-        rows: &mut [DoubleDouble],
+        work: &mut RowsWorkspace<T>,
+        rows: &mut [T],
     ) -> Result<(), NoValue> {
         let rest = model == Model::D0;
         if self.tree.is_floating() {
             let constants = self.tree.constants;
-            let mut base = BaseState::read([q, qd, qdd], constants, |x| DoubleDouble::ONE / x);
+            let mut base = BaseState::read([q, qd, qdd], constants, |x| constants.one / x);
             if rest {
                 base = base.at_rest(constants.zero);
             }
@@ -87,7 +91,7 @@ impl PreciseModel {
         }
         let q = self.tree.variables(q);
         if let Some(expansion) = &self.expansion {
-            let exact = |x: &[f64]| x.iter().map(|&x| x.into()).collect::<Vec<DoubleDouble>>();
+            let exact = |x: &[f64]| x.iter().map(|&x| T::from(x)).collect::<Vec<T>>();
             let velocities = if rest {
                 vec![0.0; qd.len()]
             } else {
@@ -97,7 +101,7 @@ impl PreciseModel {
             let last = work.joints.take();
             let mut all = last.unwrap_or_else(|| expansion.states());
             expansion.expand(state.each_ref().map(|x| &x[..]), &mut all)?;
-            let motion = |body: &Body<DoubleDouble>| match body.variable {
+            let motion = |body: &Body<T>| match body.variable {
                 None => still(),
                 Some(k) => precise_motion(body, [all.q[k], all.qd[k], all.qdd[k]]),
             };
@@ -106,7 +110,7 @@ impl PreciseModel {
             work.joints = Some(all);
             return Ok(());
         }
-        let motion = |body: &Body<DoubleDouble>| match body.variable {
+        let motion = |body: &Body<T>| match body.variable {
             None => still(),
             Some(k) => motion(body, q[k], if rest { 0.0 } else { qd[k] }, qdd[k]),
         };
@@ -116,16 +120,16 @@ impl PreciseModel {
 }
 
 /// The joints of loops move in units of their axes, whose lengths must then be 1.
-fn normalise(body: &mut Body<DoubleDouble>) {
+fn normalise<T: Real>(body: &mut Body<T>) {
     let length = body.axis_squared.sqrt();
     if length.to_f64() > 0.0 {
         body.axis = body.axis.map(|x| x / length);
-        body.axis_squared = DoubleDouble::ONE;
+        body.axis_squared = T::from(1.0);
     }
 }
 
-fn still() -> JointMotion<DoubleDouble> {
-    let (zero, one) = (DoubleDouble::ZERO, DoubleDouble::ONE);
+fn still<T: Real>() -> JointMotion<T> {
+    let (zero, one) = (T::from(0.0), T::from(1.0));
     JointMotion {
         cos: one,
         sin: zero,
@@ -137,7 +141,7 @@ fn still() -> JointMotion<DoubleDouble> {
 }
 
 /// A motion in units of the axis vector a, as it is written: `t = tan(q/2)/|a|`.
-fn motion(body: &Body<DoubleDouble>, q: f64, qd: f64, qdd: f64) -> JointMotion<DoubleDouble> {
+fn motion<T: Real>(body: &Body<T>, q: f64, qd: f64, qdd: f64) -> JointMotion<T> {
     let length = body.axis_squared.to_f64().sqrt();
     let mut motion = JointMotion {
         qd: (qd / length).into(),
@@ -148,8 +152,8 @@ fn motion(body: &Body<DoubleDouble>, q: f64, qd: f64, qdd: f64) -> JointMotion<D
         motion.q = (q / length).into();
         return motion;
     }
-    let one = DoubleDouble::ONE;
-    let t = DoubleDouble::from((0.5 * q).tan() / length);
+    let one = T::from(1.0);
+    let t = T::from((0.5 * q).tan() / length);
     let t2 = t * t * body.axis_squared;
     motion.cos = (one - t2) / (one + t2);
     motion.sin = (t + t) / (one + t2);
@@ -158,10 +162,7 @@ fn motion(body: &Body<DoubleDouble>, q: f64, qd: f64, qdd: f64) -> JointMotion<D
 }
 
 /// The same from positions in pairs of doubles.
-fn precise_motion(
-    body: &Body<DoubleDouble>,
-    [q, qd, qdd]: [DoubleDouble; 3],
-) -> JointMotion<DoubleDouble> {
+fn precise_motion<T: Real>(body: &Body<T>, [q, qd, qdd]: [T; 3]) -> JointMotion<T> {
     let length = body.axis_squared.sqrt();
     let mut motion = JointMotion {
         qd: qd / length,
@@ -175,40 +176,37 @@ fn precise_motion(
     let (cos, sin) = Real::cos_sin(q);
     motion.cos = cos;
     motion.sin = sin / length;
-    motion.versine = (DoubleDouble::ONE - cos) / body.axis_squared;
+    motion.versine = (T::from(1.0) - cos) / body.axis_squared;
     motion
 }
 
-/// Literals as pairs of doubles.
-struct Pairs<'d> {
+/// Literals as numbers of this precision.
+struct Written<'d, T> {
     constants: &'d [(String, Quantity)],
+    numbers: PhantomData<T>,
 }
 
-impl Numbers for Pairs<'_> {
-    type Number = DoubleDouble;
+impl<T: Real> Numbers for Written<'_, T> {
+    type Number = T;
     type Error = NotInField;
 
-    fn constants(&self) -> Constants<DoubleDouble> {
+    fn constants(&self) -> Constants<T> {
         Constants {
-            zero: DoubleDouble::ZERO,
-            one: DoubleDouble::ONE,
-            half: 0.5.into(),
+            zero: T::from(0.0),
+            one: T::from(1.0),
+            half: T::from(0.5),
         }
     }
 
-    fn rotation(&mut self, angle: &Quantity) -> Result<Rotation<DoubleDouble>, NotInField> {
-        DoubleDouble::cos_sin_of_expr(&angle.expr, self.constants).ok_or(NotInField::Inverse)
+    fn rotation(&mut self, angle: &Quantity) -> Result<Rotation<T>, NotInField> {
+        T::cos_sin_of_quantity(angle, self.constants).ok_or(NotInField::Inverse)
     }
 
-    fn value(&mut self, quantity: &Quantity) -> Result<DoubleDouble, NotInField> {
-        DoubleDouble::of_expr(&quantity.expr, self.constants).ok_or(NotInField::Inverse)
+    fn value(&mut self, quantity: &Quantity) -> Result<T, NotInField> {
+        T::of_quantity(quantity, self.constants).ok_or(NotInField::Inverse)
     }
 
-    fn inverse_length(
-        &mut self,
-        _: &[Quantity; 3],
-        squared: DoubleDouble,
-    ) -> Result<DoubleDouble, NotInField> {
-        Ok(DoubleDouble::ONE / squared.sqrt())
+    fn inverse_length(&mut self, _: &[Quantity; 3], squared: T) -> Result<T, NotInField> {
+        Ok(T::from(1.0) / squared.sqrt())
     }
 }

@@ -3,7 +3,7 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
 use super::*;
-use crate::{LinearInPi, Quantity, SplitMix64};
+use crate::{LinearInPi, Quantity, Real, SplitMix64};
 
 /// The proven bounds (Joldes, Muller, Popescu 2017) are 3, 5 and 10 times 2^-106, up to
 /// terms of third order; the same for all three here.
@@ -213,7 +213,7 @@ fn right_angles_are_exact_and_a_huge_angle_is_reduced_exactly() {
 fn expressions_have_the_value_of_their_exact_form() {
     let value = |text: &str| {
         let quantity = Quantity::parse_number(text, &[]).expect("an expression");
-        DoubleDouble::of_expr(&quantity.expr, &[]).expect("finite")
+        DoubleDouble::of_quantity(&quantity, &[]).expect("finite")
     };
     let third = BigRational::new(1.into(), 3.into());
     assert!(relative_error(value("1/3"), &third) < BOUND);
@@ -226,7 +226,7 @@ fn expressions_have_the_value_of_their_exact_form() {
     assert!(relative_error(value("pi*pi"), &(pi() * pi())) < 2.0 * BOUND);
     let zero = Quantity::parse_number("1/(0.1+0.2-0.3)", &[]).expect("finite in doubles");
     assert_eq!(
-        DoubleDouble::of_expr(&zero.expr, &[]),
+        DoubleDouble::of_quantity(&zero, &[]),
         None,
         "divides by zero"
     );

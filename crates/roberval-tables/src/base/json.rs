@@ -148,6 +148,7 @@ fn literal(answer: &BaseParameters) -> Value {
     let literal = answer.diagnosis.literal.as_ref();
     json!(literal.map(|l| json!({
         "rank": l.rank,
+        "as_meant": l.as_meant,
         "blame": blame(&l.blame),
         "near_misses": blame(&l.near_misses),
     })))
@@ -190,6 +191,7 @@ pub(crate) fn diagnosis(answer: &BaseParameters) -> Value {
         "gap": diagnosis.gap,
         "residual": diagnosis.residual,
         "messages": diagnosis.messages,
+        "warnings": answer.warnings(),
         "structural": structure(answer),
         "precision": loops::precision(answer),
         "float": witnesses(answer),

@@ -90,8 +90,7 @@ fn file(answer: &BaseParameters) -> String {
             "Set right before",
             changes.map(ToString::to_string).collect(),
         );
-        let near = cleaned.near_misses.iter();
-        part("Left as written", near.map(ToString::to_string).collect());
+        part("Left as written", answer.warnings());
     }
     if parts.is_empty() {
         return "<p>Nothing to remark: its numbers were taken as they stand.</p>".to_owned();

@@ -169,3 +169,36 @@ fn the_error_estimate_covers_the_error() {
         }
     }
 }
+
+#[test]
+fn wide_numbers_give_the_exact_fractions_and_surds_to_all_digits() {
+    let mut compared = 0;
+    for angles in [Angles::Right, Angles::Fifteens] {
+        for seed in 0..12 {
+            let robot = robot(angles, seed);
+            let model = Model::ALL[seed as usize % 3];
+            let exact = decide(&robot, model, seed);
+            let (kept, gone) = (&exact.kept, &exact.deleted);
+            let found = wide::solve(&robot, model, kept, gone, seed).expect("solved");
+            for (i, row) in exact.beta.iter().enumerate() {
+                for (j, x) in row.iter().enumerate().filter(|(_, x)| !x.is_zero()) {
+                    let (value, error) = found.entry(i, j);
+                    assert_eq!(value, x.to_f64(), "robot {seed} {model:?}");
+                    assert!(error < 1e-100, "robot {seed} {model:?}: {error:e}");
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert!(compared > 500, "{compared}");
+}
+
+#[test]
+fn base_columns_that_are_not_independent_are_noticed_by_wide_numbers() {
+    let robot = robot(Angles::Right, 3);
+    let exact = decide(&robot, Model::D, 3);
+    let one_too_many = [&exact.kept[..], &exact.deleted[..1]].concat();
+    let gone = &exact.deleted[1..2];
+    let found = wide::solve(&robot, Model::D, &one_too_many, gone, 3).expect("tried");
+    assert_eq!(found.entry(0, 0).1, f64::INFINITY);
+}
