@@ -21,6 +21,9 @@ from conftest import random_states
 PATIENCE = 60.0
 """Seconds after which a test that hangs fails; it takes well under one."""
 
+TRIES = 20
+"""Works that keep the GIL fail all of them."""
+
 
 def overlaps(work: Callable[[], object]) -> bool:
     """Whether Python code runs while `work` does: only if `work` releases the GIL.
@@ -62,11 +65,13 @@ def test_the_gil_is_released(puma: rv.Robot) -> None:
         "base_parameters": lambda: puma.base_parameters(engine="svd", rows=2000),
         "compare": puma.compare,
     }
-    assert {name: overlaps(work) for name, work in works.items()} == dict.fromkeys(works, True)
+    # On a busy machine a work of a millisecond may end before the watcher is woken.
+    seen = {name: any(overlaps(work) for _ in range(TRIES)) for name, work in works.items()}
+    assert seen == dict.fromkeys(works, True)
 
 
 def test_the_watch_for_the_gil_can_fail() -> None:
-    assert not overlaps(lambda: sum(range(10_000)))
+    assert not any(overlaps(lambda: sum(range(10_000))) for _ in range(TRIES))
 
 
 def test_threads_get_the_serial_answers(puma: rv.Robot) -> None:

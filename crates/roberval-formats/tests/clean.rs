@@ -69,6 +69,15 @@ fn only_the_changed_numbers_of_a_urdf_are_replaced() {
 }
 
 #[test]
+fn prefixes_that_nobody_declared_stay_as_written() {
+    let text = URDF.replace("<x:origin", "<drake:origin");
+    let (cleaned, changes, _) = clean_urdf(&text, "r.urdf", &policy()).unwrap();
+    let declared = clean_urdf(URDF, "r.urdf", &policy()).unwrap();
+    assert_eq!(cleaned, declared.0.replace("<x:origin", "<drake:origin"));
+    assert_eq!(changes, declared.1);
+}
+
+#[test]
 fn the_literal_policy_writes_the_text_as_it_was() {
     let literal = CleanPolicy::literal();
     let (text, changes, near) = clean_urdf(URDF, "r.urdf", &literal).unwrap();

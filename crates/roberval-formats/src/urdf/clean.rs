@@ -2,9 +2,9 @@ use std::collections::HashMap;
 
 use roberval_mechanism::{Change, CleanPolicy, Field, NearMiss, clean};
 use roberval_scalar::Quantity;
-use roxmltree::{Attribute, Document, Node};
+use roxmltree::{Attribute, Node};
 
-use super::{UrdfOptions, malformed, parse_urdf};
+use super::{UrdfOptions, parse_urdf, with_robot};
 use crate::error::FormatError;
 use crate::source::Source;
 use crate::splice::{Edit, splice};
@@ -27,19 +27,21 @@ pub fn clean_urdf(
     let description = parse_urdf(text, source_name, UrdfOptions::default())?;
     let cleaned = clean(&description, policy);
     let source = Source::new(source_name, text)?;
-    let document = Document::parse(source.text).map_err(|e| malformed(&source, &e))?;
     let mut by_joint: HashMap<&str, Vec<&Change>> = HashMap::new();
     for change in &cleaned.changes {
         let joint = change.joint.as_deref().unwrap_or_default();
         by_joint.entry(joint).or_default().push(change);
     }
-    let mut edits = Vec::new();
-    for joint in children(document.root_element(), "joint") {
-        let changes = joint.attribute("name").and_then(|name| by_joint.get(name));
-        if let Some(changes) = changes {
-            edit_joint(&mut edits, &source, joint, changes);
+    let edits = with_robot(&source, |robot| {
+        let mut edits = Vec::new();
+        for joint in children(robot.node, "joint") {
+            let changes = joint.attribute("name").and_then(|name| by_joint.get(name));
+            if let Some(changes) = changes {
+                edit_joint(&mut edits, &source, joint, changes);
+            }
         }
-    }
+        Ok(edits)
+    })?;
     let mark = &text[..text.len() - source.text.len()];
     let spliced = format!("{mark}{}", splice(source.text, edits));
     Ok((spliced, cleaned.changes, cleaned.near_misses))
