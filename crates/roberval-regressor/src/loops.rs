@@ -2,11 +2,10 @@
 
 use std::sync::{Arc, OnceLock};
 
-use roberval_mechanism::{
-    Assembly, LinkFrame, Linkage, Mechanism, NotClosed, Pose, Walk, couple_laws,
-};
+use roberval_mechanism::{Assembly, Linkage, Mechanism, NotClosed, Pose, Walk, couple_laws};
 use roberval_scalar::{DoubleDouble, Quantity, Real};
 
+use crate::exact::link_frames;
 use crate::{JointStates, NotInField, Transmission, Tree};
 
 /// All joints of a mechanism with loops: the configuration follows in doubles from the
@@ -107,17 +106,8 @@ pub(crate) fn precise_linkage(
     let constants: &[(String, Quantity)] = &mechanism.description.constants;
     let loops = mechanism.loop_frames(poses)?;
     let couples = couple_laws(mechanism.couples().as_ref(), constants);
-    let links = tree.bodies.iter().map(|body| LinkFrame {
-        antecedent: body.antecedent,
-        joint: body.joint,
-        pose: Pose {
-            rotation: body.rotation,
-            origin: body.origin,
-        },
-        axis: body.axis,
-    });
     Ok(Linkage::new(
-        links.collect(),
+        link_frames(tree),
         loops,
         couples.ok_or(NotInField::Inverse)?,
         assembly.linkage.unit(),

@@ -45,6 +45,21 @@ pub fn parallelogram(near: &str) -> String {
     )
 }
 
+/// A crank, a rod and a piston that slides beside the crank's axis.
+pub fn slider_crank() -> String {
+    format!(
+        "name = \"slider-crank\"\ngravity = {IN_PLANE}\n\
+         link = [\n\
+         {{ name = \"crank\", alpha = 0, d = 0, r = 0 }},\n\
+         {{ name = \"rod\", alpha = 0, d = 0.2, r = 0, active = false }},\n\
+         {{ name = \"piston\", joint = \"prismatic\", antecedent = \"base\", alpha = \"90 deg\", \
+         d = 0.05, theta = \"90 deg\", r = 0, active = false }},\n\
+         ]\n\
+         [[loop]]\nbetween = [\"rod\", \"piston\"]\ncut = \"revolute\"\n\
+         frames = [{{ xyz = [0.7, 0, 0] }}, {{ rpy = [0, \"90 deg\", 0] }}]\n"
+    )
+}
+
 /// The four-bar cut at the joint between crank and coupler.
 pub fn four_bar_cut_at_the_crank(gravity: &str) -> String {
     format!(

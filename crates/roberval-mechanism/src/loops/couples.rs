@@ -1,6 +1,6 @@
 //! Couples as equations beside those of loops.
 
-use roberval_scalar::{Quantity, Real};
+use roberval_scalar::{Quantity, Real, Scalar};
 
 use crate::{Closure, VariableLaw};
 
@@ -50,7 +50,9 @@ impl<T: Real> CoupleLaw<T> {
             offset: self.offset / own,
         }
     }
+}
 
+impl<T: Scalar> CoupleLaw<T> {
     pub(super) fn has(&self, variable: usize) -> bool {
         self.variable == variable || self.terms.iter().any(|(k, _)| *k == variable)
     }
@@ -63,9 +65,9 @@ impl<T: Real> CoupleLaw<T> {
         q[self.variable] - sum
     }
 
-    pub(super) fn derivative(&self, dof: usize) -> Vec<T> {
-        let mut row = vec![T::from(0.0); dof];
-        row[self.variable] = T::from(1.0);
+    pub(super) fn derivative(&self, dof: usize, [zero, one]: [T; 2]) -> Vec<T> {
+        let mut row = vec![zero; dof];
+        row[self.variable] = one;
         self.terms.iter().for_each(|&(k, m)| row[k] = row[k] - m);
         row
     }

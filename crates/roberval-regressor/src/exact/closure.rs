@@ -58,9 +58,13 @@ struct Turns<'m> {
 }
 
 /// Which joint variables follow others or are followed: their joints need an axis of
-/// length 1.
+/// length 1. So do those of loops.
 #[must_use]
 pub fn coupled(mechanism: &Mechanism) -> Vec<bool> {
+    if let Some(assembly) = &mechanism.assembly {
+        let all = 0..mechanism.dof();
+        return all.map(|k| assembly.linkage.is_constrained(k)).collect();
+    }
     let Some(closure) = &mechanism.closure else {
         return vec![false; mechanism.dof()];
     };
