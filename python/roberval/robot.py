@@ -702,8 +702,9 @@ class Robot(Rendered):
         model : {"d", "d0", "h"}
             The model whose columns are analysed; all give the same answer.
         engine : {"exact", "precise", "qr", "qrii", "svd"}
-            Elimination modulo primes, which needs no tolerance (the default; for loops it
-            becomes precise); the same in high-precision floats; QR without
+            Elimination modulo primes, which needs no tolerance (the default; where prime
+            fields do not hold a loop or an expression it becomes precise, and says why);
+            the same in high-precision floats; QR without
             pivoting (Gautier 1991, eq. (13)), QR with column pivoting (eq. (14)) or SVD
             (eq. (21)-(27)). All give the same answer.
         choice : {"paper", "pivoted", "prefer"}

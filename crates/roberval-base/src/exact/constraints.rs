@@ -80,14 +80,12 @@ fn as_couples(mechanism: &Mechanism, seed: u64) -> Result<Option<Mechanism>, Exa
     let Some(couples) = closed.then(|| guess(mechanism, assembly)).flatten() else {
         return Ok(None);
     };
-    let mut description = (*mechanism.description).clone();
-    description.couples = couples;
-    let loops = std::mem::take(&mut description.loops);
-    let Ok(coupled) = Mechanism::new(&description) else {
+    let Some(coupled) = with_couples(mechanism, &couples) else {
         return Ok(None);
     };
-    description.loops = loops;
     // Couples for its joints, and its loops, to see whether the ones close the others.
+    let mut description = (*coupled.description).clone();
+    description.loops.clone_from(&mechanism.description.loops);
     let both = Mechanism {
         description: Arc::new(description),
         ..coupled.clone()
@@ -97,10 +95,19 @@ fn as_couples(mechanism: &Mechanism, seed: u64) -> Result<Option<Mechanism>, Exa
         couples_close_loops(&both, modulus, angles, seed)
     });
     let proved = proved? && coupled.independent() == mechanism.independent();
-    Ok(proved.then(|| Mechanism {
+    Ok(proved.then_some(coupled))
+}
+
+/// The mechanism with these couples in place of its loops; `None` if it is none.
+pub(crate) fn with_couples(mechanism: &Mechanism, couples: &[Couple]) -> Option<Mechanism> {
+    let mut description = (*mechanism.description).clone();
+    description.couples = couples.to_vec();
+    description.loops.clear();
+    let coupled = Mechanism::new(&description).ok()?;
+    Some(Mechanism {
         cleaning: mechanism.cleaning.clone(),
         ..coupled
-    }))
+    })
 }
 
 /// Couples that hold at the start if G is the same everywhere.

@@ -65,7 +65,7 @@ pub(crate) fn run(
     goal: Goal,
 ) -> Result<Run, NotInField> {
     in_some_field(mechanism, angle_order, seed, conjugate, |exact, random| {
-        exact.holds_constraints()?;
+        exact.holds_constraints().map_err(NotInField::Loops)?;
         Ok(eliminate_to(
             mechanism, model, order, exact, seed, random, goal,
         ))

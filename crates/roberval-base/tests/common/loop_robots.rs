@@ -179,8 +179,9 @@ pub fn delta() -> String {
     )
 }
 
-/// A platform on six legs: universal joint, driven length, spherical joint.
-pub fn stewart() -> String {
+/// A platform on six legs: universal joint, driven length, spherical joint. One leg carries
+/// it in the tree; the loops are cut at the other legs' spherical joints.
+pub fn stewart(carrier: usize) -> String {
     let base = [-15, 15, 105, 135, 225, 255];
     let platform = [
         [0.0, 0.0, 0.0],
@@ -199,18 +200,18 @@ pub fn stewart() -> String {
              [[link]]\nname = \"v{leg}\"\nalpha = \"90 deg\"\nd = 0\nr = 0\ntheta = \"90 deg\"\nactive = false\n\
              [[link]]\nname = \"leg{leg}\"\njoint = \"prismatic\"\nalpha = \"90 deg\"\nd = 0\ntheta = 0\nr = 0.8\n"
         );
-        if leg == 1 {
+        if leg == carrier {
             continue;
         }
-        let at = platform[leg - 1];
+        let at: [f64; 3] = std::array::from_fn(|k| platform[leg - 1][k] - platform[carrier - 1][k]);
         closures += &format!(
             "[[loop]]\nbetween = [\"leg{leg}\", \"platform\"]\ncut = \"spherical\"\nat = [[0, 0, 0], {at:?}]\n"
         );
     }
-    // The platform's frame has its origin at the first leg's joint.
+    // The platform's frame has its origin at the carrying leg's joint.
     format!(
         "name = \"Stewart\"\n{links}\
-         [[link]]\nname = \"s1\"\nantecedent = \"leg1\"\nalpha = 0\nd = 0\nr = 0\nactive = false\nmassless = true\n\
+         [[link]]\nname = \"s1\"\nantecedent = \"leg{carrier}\"\nalpha = 0\nd = 0\nr = 0\nactive = false\nmassless = true\n\
          [[link]]\nname = \"s2\"\nalpha = \"90 deg\"\nd = 0\nr = 0\nactive = false\nmassless = true\n\
          [[link]]\nname = \"platform\"\nalpha = \"90 deg\"\nd = 0\nr = 0\nactive = false\n{closures}"
     )

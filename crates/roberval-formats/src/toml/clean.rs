@@ -4,7 +4,7 @@ use std::ops::Range;
 use roberval_mechanism::{Change, CleanPolicy, Field, NearMiss, RobotDescription, clean};
 use toml_edit::{Document, Item, Value};
 
-use super::{Section, link_tables, loops, parse_toml, syntax, write};
+use super::{Section, couple, link_tables, loops, parse_toml, syntax, write};
 use crate::error::FormatError;
 use crate::source::Source;
 use crate::splice::splice;
@@ -29,9 +29,10 @@ pub fn clean_toml(
     let edits = with_spans(&source, &description, |span| {
         let edit = |change: &Change| {
             let (key, index) = change_key(change);
-            let range = match change.loop_frame() {
-                Some(frame) => loops::span(&robot, frame, change.field),
-                None => span(change.link.as_deref(), &key, index),
+            let range = match (change.loop_frame(), change.couple()) {
+                (Some(frame), _) => loops::span(&robot, frame, change.field),
+                (None, Some(number)) => couple::offset_span(&robot, number),
+                (None, None) => span(change.link.as_deref(), &key, index),
             }?;
             Some((range, write::number(&change.became)))
         };

@@ -226,7 +226,7 @@ impl<'m> ExactLoops<'m> {
                     Closing::NoRoot => seen[0] += 1,
                     Closing::Singular => return Err(NotClosed::Branches),
                 }
-                if seen.iter().any(|n| *n == 0) && seen.iter().any(|n| *n >= SAME_SYMBOL) {
+                if seen.contains(&0) && seen.iter().any(|n| *n >= SAME_SYMBOL) {
                     return Err(NotClosed::Branches);
                 }
                 if !matches!(closing, Closing::Done) {

@@ -26,7 +26,7 @@ pub enum NotInField {
     Inverse,
     /// Loops whose closed configurations are not easy to find in any prime field.
     #[error("{0}, so that prime fields do not decide them")]
-    Loops(#[from] NotClosed),
+    Loops(NotClosed),
 }
 
 /// A constant's rotation in a prime field.
