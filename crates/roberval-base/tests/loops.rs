@@ -203,6 +203,40 @@ fn is_another_mode(start: &Assembly, others: &[Assembly]) -> bool {
 }
 
 #[test]
+fn a_floating_base_with_loops_has_the_counts_of_six_joints_that_carry_it() {
+    for (name, mechanism_on) in [
+        ("four-bar", four_bar_on as fn(&str) -> String),
+        ("parallelogram", parallelogram_on),
+        ("RSSR", rssr_on),
+    ] {
+        let floating = mechanism_on(FLOATING);
+        let robot = mechanism(&floating);
+        assert_eq!(
+            (robot.base_variables(), robot.positions()),
+            (6, robot.independent() + 1)
+        );
+        let (c, b, regrouped) = counts(&floating, SURE);
+        let carried = counts(&mechanism_on(CARRIED), SURE);
+        assert_eq!((c, b, regrouped), carried, "{name}");
+    }
+    let still = parse_toml(&four_bar_cut_at_the_ground(NORMAL), "r.toml").expect("valid");
+    let afloat = Mechanism::new(&still.with_floating_base()).expect("valid");
+    let b = answer(&afloat, Model::D, Engine::Exact, 1).rank();
+    assert_eq!(b, counts(&four_bar_on(FLOATING), SURE).1);
+    let exact = form(&four_bar_on(FLOATING));
+    assert_eq!(exact, Some(LoopForm::Points));
+    let couples = form(&parallelogram_on(FLOATING));
+    assert!(matches!(couples, Some(LoopForm::Couples(_))));
+}
+
+#[test]
+fn a_loop_on_the_ground_of_a_floating_robot_is_refused() {
+    let text = four_bar_on(FLOATING).replace("[\"2\", \"3\"]", "[\"2\", \"base\"]");
+    let error = Mechanism::new(&parse_toml(&text, "r.toml").expect("valid")).expect_err("ground");
+    assert!(error.to_string().contains("closed on the base"), "{error}");
+}
+
+#[test]
 fn every_assembly_mode_of_irreducible_loops_has_the_same_count_in_floats() {
     let mut random = SplitMix64::new(11);
     for text in [

@@ -26,7 +26,7 @@ pub(crate) fn lines(mechanism: &Mechanism) -> Vec<String> {
     lines.push(format!(
         "Mobility {}: {} joints less {} independent of {} equations ({} redundant)",
         assembly.mobility(),
-        mechanism.dof(),
+        assembly.linkage.dof(),
         assembly.rank,
         assembly.linkage.equations(),
         assembly.redundant()
@@ -44,7 +44,8 @@ fn sides(closure: &LoopClosure) -> [&str; 2] {
 
 /// `q(1) = 0.3, q(2) = -1.1`
 fn start(mechanism: &Mechanism, assembly: &Assembly) -> String {
-    let values = mechanism.moving().zip(&assembly.start);
+    let joints = mechanism.moving().skip(mechanism.base_variables());
+    let values = joints.zip(&assembly.start);
     let mut texts: Vec<String> = values
         .take(MOST_SHOWN)
         .map(|(link, q)| {

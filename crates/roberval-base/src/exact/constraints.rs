@@ -128,7 +128,8 @@ fn guess(mechanism: &Mechanism, assembly: &Assembly) -> Option<Vec<Couple>> {
             return None;
         }
     }
-    let links: Vec<_> = mechanism.moving().collect();
+    let joints = mechanism.moving().skip(mechanism.base_variables());
+    let links: Vec<_> = joints.collect();
     let couple = |&k: &usize| {
         let mut offset = assembly.start[k];
         let mut terms = Vec::new();

@@ -278,3 +278,36 @@ pub fn delta_cut_elsewhere(catalogue: &str) -> String {
         &catalogue[catalogue.find("[[loop]]").expect("a loop")..second_loop]
     )
 }
+
+/// A link that floats, to carry loops.
+pub const FLOATING: &str = "{ name = \"ground\", joint = \"floating\" },\n";
+
+/// The same on six joints without bodies between.
+pub const CARRIED: &str = "\
+    { name = \"x\", joint = \"prismatic\", alpha = 0, d = 0, theta = 0, r = 0, massless = true },\n\
+    { name = \"y\", joint = \"prismatic\", alpha = \"90 deg\", d = 0, theta = \"90 deg\", r = 0, massless = true },\n\
+    { name = \"z\", joint = \"prismatic\", alpha = \"90 deg\", d = 0, theta = 0, r = 0, massless = true },\n\
+    { name = \"yaw\", alpha = 0, d = 0, r = 0, massless = true },\n\
+    { name = \"pitch\", alpha = \"90 deg\", d = 0, r = 0, massless = true },\n\
+    { name = \"ground\", alpha = \"90 deg\", d = 0, r = 0, rotor = false },\n";
+
+/// A robot whose base is instead a link named ground.
+fn on(carrier: &str, robot: &str) -> String {
+    let robot = robot.replace("link = [\n", &format!("link = [\n{carrier}"));
+    robot.replace("antecedent = \"base\"", "antecedent = \"ground\"")
+}
+
+/// [`four_bar`] on another link.
+pub fn four_bar_on(carrier: &str) -> String {
+    on(carrier, &four_bar(NORMAL))
+}
+
+/// [`parallelogram`] on another link.
+pub fn parallelogram_on(carrier: &str) -> String {
+    on(carrier, &parallelogram("near = { 1 = 1, 2 = -1, 3 = 1 }"))
+}
+
+/// [`rssr`] on another link.
+pub fn rssr_on(carrier: &str) -> String {
+    on(carrier, &rssr())
+}

@@ -13,9 +13,11 @@ pub struct CoupleLaw<T> {
     offset: T,
 }
 
-/// The couples of a closure as equations (rad and m); `None` where a number has no value.
+/// The couples of a closure as equations (rad and m) of the variables from `first` on; `None`
+/// where a number has no value.
 pub fn couple_laws<T: Real>(
     closure: Option<&Closure>,
+    first: usize,
     constants: &[(String, Quantity)],
 ) -> Option<Vec<CoupleLaw<T>>> {
     let Some(closure) = closure else {
@@ -29,9 +31,10 @@ pub fn couple_laws<T: Real>(
     })
     .map(|(variable, law)| {
         let value = |x: &Quantity| T::of_quantity(x, constants);
-        let term = |(place, x): &(usize, Quantity)| Some((closure.independent[*place], value(x)?));
+        let term =
+            |(place, x): &(usize, Quantity)| Some((closure.independent[*place] - first, value(x)?));
         Some(CoupleLaw {
-            variable,
+            variable: variable - first,
             terms: law.terms.iter().map(term).collect::<Option<_>>()?,
             offset: value(&law.offset)?,
         })

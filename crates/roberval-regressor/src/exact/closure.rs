@@ -62,8 +62,10 @@ struct Turns<'m> {
 #[must_use]
 pub fn coupled(mechanism: &Mechanism) -> Vec<bool> {
     if let Some(assembly) = &mechanism.assembly {
-        let all = 0..mechanism.dof();
-        return all.map(|k| assembly.linkage.is_constrained(k)).collect();
+        let base = vec![false; mechanism.base_variables()];
+        let joints = 0..assembly.linkage.dof();
+        let constrained = joints.map(|k| assembly.linkage.is_constrained(k));
+        return base.into_iter().chain(constrained).collect();
     }
     let Some(closure) = &mechanism.closure else {
         return vec![false; mechanism.dof()];

@@ -15,7 +15,7 @@
 //! here.
 
 use roberval_mechanism::{
-    Configuration, Cut, LinkFrame, Linkage, LoopFrames, Mechanism, Origin, Pose,
+    Configuration, Cut, LinkFrame, Linkage, LoopFrames, Mechanism, Origin, Pose, in_linkage,
 };
 use roberval_scalar::vector::{Vec3, cross, dot, scale, sub};
 use roberval_scalar::{Fp, Modulus, SplitMix64, cancellation_point};
@@ -57,6 +57,8 @@ pub(super) struct ExactLoops<'m> {
     dyads: Vec<Dyad>,
     independent: Vec<usize>,
     dependent: Vec<usize>,
+    /// Variables of a base that floats, which stand before those of joints.
+    first: usize,
     numbers: [Fp<'m>; 3],
 }
 
@@ -113,6 +115,7 @@ impl<'m> ExactLoops<'m> {
             dyads: Vec::new(),
             independent: assembly.independent.clone(),
             dependent: assembly.dependent(),
+            first: mechanism.base_variables(),
             numbers: [tree.constants.zero, tree.constants.one, tree.constants.half],
         };
         if let Err(reason) = loops.find_dyads(random, &mut free) {
@@ -120,6 +123,11 @@ impl<'m> ExactLoops<'m> {
         }
         let irreducible = loops.check_branches(random, &mut free);
         Ok(irreducible.map(|()| loops))
+    }
+
+    /// Where the variables of joints begin.
+    pub fn first_joint(&self) -> usize {
+        self.first
     }
 
     /// Dyad after dyad, each with two joints that none before it has.
@@ -332,7 +340,7 @@ impl<'m> ExactLoops<'m> {
         place(&self.linkage, motions)
     }
 
-    /// A random motion of all joints, and G.
+    /// A random motion of all joints, a base that floats being still, and G.
     pub fn motions(
         &self,
         rest: bool,
@@ -350,7 +358,9 @@ impl<'m> ExactLoops<'m> {
                 continue;
             }
             if let Some(transmission) = self.follow(rest, random, &mut motions) {
-                return (motions, transmission);
+                let [zero, one, _] = self.numbers;
+                let base = vec![self.turned(one, zero); self.first];
+                return ([base, motions].concat(), transmission);
             }
         }
     }
@@ -405,12 +415,14 @@ impl<'m> ExactLoops<'m> {
             (motion.qd, motion.qdd) = (qd, qdd);
         }
         let sparse = |row: Vec<Fp<'m>>| -> Vec<(usize, Fp<'m>)> {
-            row.into_iter()
-                .enumerate()
+            (self.first..)
+                .zip(row)
                 .filter(|(_, x)| !x.is_zero())
                 .collect()
         };
-        Some(Transmission::from_rows(g.into_iter().map(sparse)))
+        let base = (0..self.first).map(|i| vec![(i, self.numbers[1])]);
+        let joints = g.into_iter().map(sparse);
+        Some(Transmission::from_rows(base.chain(joints)))
     }
 
     /// An upper bound of the degree of a row's entries in the random values, times that of
@@ -463,7 +475,7 @@ pub fn couples_close_loops(
     let free =
         |k: usize, _, _, random: &mut SplitMix64| position(joints[k], tree.constants, random);
     let motions = closure.motions(tree.constants, true, &mut random, free);
-    let closed = place(&linkage, &motions).residual();
+    let closed = place(&linkage, &motions[mechanism.base_variables()..]).residual();
     Ok(closed.iter().all(|x| x.is_zero()))
 }
 
@@ -504,7 +516,7 @@ pub(super) fn field_linkage<'m>(
 pub(crate) fn link_frames<T: Copy>(tree: &Tree<T>) -> Vec<LinkFrame<T>> {
     let frame = |body: &crate::Body<T>| LinkFrame {
         antecedent: body.antecedent,
-        joint: body.joint,
+        joint: in_linkage(body.joint),
         pose: Pose {
             rotation: body.rotation,
             origin: body.origin,

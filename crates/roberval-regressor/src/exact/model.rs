@@ -99,8 +99,10 @@ impl<'m> ExactModel<'m> {
             None => None,
             Some(_) => {
                 let joints = variable_bodies(&tree);
-                let free =
-                    |k: usize, random: &mut SplitMix64| position(joints[k], tree.constants, random);
+                let first = mechanism.base_variables();
+                let free = |k: usize, random: &mut SplitMix64| {
+                    position(joints[first + k], tree.constants, random)
+                };
                 let mut random = SplitMix64::new(!seed);
                 Some(ExactLoops::of(
                     mechanism,
@@ -214,6 +216,7 @@ impl<'m> ExactModel<'m> {
         }
         if let Some(Ok(loops)) = &self.loops {
             let joints = variable_bodies(&self.tree);
+            let joints = &joints[loops.first_joint()..];
             let constants = self.tree.constants;
             let free = |k: usize, random: &mut SplitMix64| position(joints[k], constants, random);
             let (motions, transmission) = loops.motions(rest, random, free);
