@@ -250,8 +250,8 @@ class Robot(Rendered):
 
         The frame of a link lies at its joint, in the axes of its body. A body with several
         joints becomes several links, the first ones without mass; ball joints become three
-        hinges; a free joint makes a base that floats if all others are on it and there are no
-        loops. Equality constraints of two joints become couples; what is not applied is
+        hinges; a free joint makes a base that floats if all others are on it and no loop is
+        closed on the world. Equality constraints of two joints become couples; what is not applied is
         warned of. Joint variables are 0 where the model has ``qpos0``.
 
         Parameters
@@ -402,7 +402,7 @@ class Robot(Rendered):
     def closed(self) -> Array | None:
         """Variables of all joints of the tree where the loops are closed: they name the branch.
 
-        None for a robot without loops.
+        Without those of a base that floats. None for a robot without loops.
         """
         closed = self._inner.closed
         return None if closed is None else np.array(closed)

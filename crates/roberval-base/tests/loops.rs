@@ -99,6 +99,7 @@ fn loops_are_decided_exactly_where_their_variety_is_irreducible_and_has_points_i
         four_bar(IN_PLANE),
         five_bar(NORMAL),
         four_bar_cut_at_the_crank(IN_PLANE),
+        four_bar(IN_PLANE).replace("\"revolute\"", "\"spherical\""),
         waist_with_four_bar(),
         spherical_four_bar(),
         slider_crank(),

@@ -19,7 +19,7 @@ mod rounded;
 mod run;
 
 pub use constraints::LoopForm;
-pub(crate) use constraints::with_couples;
+pub(crate) use constraints::{held, with_couples};
 
 pub use decision::{ExactDecision, ExactError, choose_exactly, decide_exactly};
 pub(crate) use field::in_some_field;

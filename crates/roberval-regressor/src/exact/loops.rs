@@ -181,9 +181,10 @@ impl<'m> ExactLoops<'m> {
         place: &Configuration<'_, Fp<'m>>,
     ) -> Option<(Kind, [usize; 2])> {
         let [a, b] = place.frames(number);
+        let cut = self.linkage.loops()[number].cut;
         let slides = |k: usize| self.linkage.is_length(k);
-        let normal = a.axis(2);
         let joints = self.linkage.between(number).iter().map(|(k, _)| *k);
+        let normal = place.joint(joints.clone().find(|&k| !slides(k))?).0;
         let is_planar = |k: usize| {
             let e = place.joint(k).0;
             if slides(k) {
@@ -196,22 +197,23 @@ impl<'m> ExactLoops<'m> {
             let (e, p) = place.joint(k);
             !slides(k) && is_zero(cross(e, sub(a.origin, p)))
         };
-        if self.linkage.loops()[number].cut != Cut::Revolute {
-            return None;
-        }
-        if joints.clone().all(is_planar) {
-            let flat = dot(sub(b.origin, a.origin), normal).is_zero();
-            if !flat || !is_zero(sub(b.axis(2), normal)) {
-                return None;
-            }
-            return match [slides(i), slides(j)] {
-                [false, false] => Some((Kind::Planar, [i, j])),
-                [true, false] => Some((Kind::Sliding, [i, j])),
-                [false, true] => Some((Kind::Sliding, [j, i])),
-                [true, true] => None,
+        let apart = sub(b.origin, a.origin);
+        if joints.clone().all(is_planar) && dot(apart, normal).is_zero() {
+            // A spherical joint closes a plane as a revolute one does.
+            let [u, v] = [a.axis(2), b.axis(2)];
+            let closes = match cut {
+                Cut::Spherical => true,
+                Cut::Revolute => is_zero(cross(u, normal)) && is_zero(sub(u, v)),
+                _ => false,
+            };
+            return match (closes, slides(i), slides(j)) {
+                (true, false, false) => Some((Kind::Planar, [i, j])),
+                (true, true, false) => Some((Kind::Sliding, [i, j])),
+                (true, false, true) => Some((Kind::Sliding, [j, i])),
+                _ => None,
             };
         }
-        let meet = is_zero(sub(b.origin, a.origin)) && joints.clone().all(is_spherical);
+        let meet = cut == Cut::Revolute && is_zero(apart) && joints.clone().all(is_spherical);
         meet.then_some((Kind::Spherical, [i, j]))
     }
 
@@ -293,7 +295,10 @@ impl<'m> ExactLoops<'m> {
         let squared = |x: Vec3<Fp<'m>>| dot(x, x);
         match dyad.kind {
             Kind::Planar => squared(sub(b.origin, p)) - squared(sub(a.origin, p)),
-            Kind::Sliding => dot(cross(a.axis(2), e), sub(b.origin, a.origin)),
+            Kind::Sliding => {
+                let normal = place.joint(dyad.second).0;
+                dot(cross(normal, e), sub(b.origin, a.origin))
+            }
             Kind::Spherical => dot(sub(b.axis(2), a.axis(2)), e),
         }
     }
