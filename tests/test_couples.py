@@ -200,7 +200,7 @@ GRIPPER = (
         side="right",
         x="-0.03",
         inner="-0.013",
-        turn="3.1415926",
+        turn="3.141592653589793",
         mimic='<mimic joint="left_knuckle_joint" multiplier="1"/>',
     )
     + "</robot>"

@@ -128,7 +128,9 @@ def test_a_connect_of_two_bodies_closes_a_loop() -> None:
 def test_a_free_body_with_loops_floats_unless_a_loop_holds_it_to_the_world() -> None:
     pytest.importorskip("mujoco")
     links, rest = FOUR_BAR.split("<worldbody>")[1].split("</worldbody>")
-    hull = '<body name="hull"><freejoint/><geom size=".1" mass="3"/>' + links + "</body>"
+    hull = (
+        '<body name="hull"><freejoint/><geom type="sphere" size=".1" mass="3"/>' + links + "</body>"
+    )
     text = FOUR_BAR.split("<worldbody>")[0] + f"<worldbody>{hull}</worldbody>{rest}"
     robot = rv.Robot.from_mujoco(text % 'connect body1="coupler" body2="rocker" anchor=".9 0 .1"')
     assert robot.is_floating

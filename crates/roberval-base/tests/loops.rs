@@ -235,6 +235,9 @@ fn a_loop_on_the_ground_of_a_floating_robot_is_refused() {
     let text = four_bar_on(FLOATING).replace("[\"2\", \"3\"]", "[\"2\", \"base\"]");
     let error = Mechanism::new(&parse_toml(&text, "r.toml").expect("valid")).expect_err("ground");
     assert!(error.to_string().contains("closed on the base"), "{error}");
+    let near = format!("{}near = {{ ground = 0 }}\n", four_bar_on(FLOATING));
+    let error = parse_toml(&near, "r.toml").expect_err("no variable");
+    assert!(error.to_string().contains("fixed or floats"), "{error}");
 }
 
 #[test]
