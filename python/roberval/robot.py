@@ -251,8 +251,8 @@ class Robot(Rendered):
         The frame of a link lies at its joint, in the axes of its body. A body with several
         joints becomes several links, the first ones without mass; ball joints become three
         hinges; a free joint makes a base that floats if all others are on it and no loop is
-        closed on the world. Equality constraints of two joints become couples; what is not applied is
-        warned of. Joint variables are 0 where the model has ``qpos0``.
+        closed on the world. Equality constraints of two joints become couples; what is not
+        applied is warned of. Joint variables are 0 where the model has ``qpos0``.
 
         Parameters
         ----------
