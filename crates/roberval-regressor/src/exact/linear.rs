@@ -39,16 +39,15 @@ mod tests {
     fn equations_with_more_rows_than_unknowns_are_solved_or_refused() {
         let field = Modulus::new((1 << 61) - 1);
         let mut random = SplitMix64::new(1);
-        let mut matrix = |rows: usize, cols: usize| -> Vec<Vec<Fp<'_>>> {
-            let row = |_| (0..cols).map(|_| field.random(&mut random)).collect();
-            (0..rows).map(row).collect()
+        let mut matrix = |rows: usize, cols: usize| -> Vec<Vec<_>> {
+            (0..rows)
+                .map(|_| (0..cols).map(|_| field.random(&mut random)).collect())
+                .collect()
         };
         let (a, x) = (matrix(5, 3), matrix(3, 2));
-        let entry = |row: &Vec<Fp<'_>>, j: usize| {
-            let products = row.iter().zip(&x).map(|(&a, x)| a * x[j]);
-            products.fold(field.integer(0), |sum, p| sum + p)
-        };
-        let mut b: Vec<Vec<_>> = a.iter().map(|r| vec![entry(r, 0), entry(r, 1)]).collect();
+        let entry =
+            |i: usize, j: usize| (0..3).fold(field.integer(0), |sum, k| sum + a[i][k] * x[k][j]);
+        let mut b: Vec<Vec<_>> = (0..5).map(|i| vec![entry(i, 0), entry(i, 1)]).collect();
         assert_eq!(solve(&a, &b), Some(x.clone()));
         b[4][1] = b[4][1] + field.integer(1);
         assert_eq!(solve(&a, &b), None);
