@@ -102,7 +102,7 @@ class Reader:
         """Tell whether a connect or weld of two bodies holds one to the world."""
         model, kinds = self.model, self.mujoco.mjtEq
         for number in np.flatnonzero(model.eq_active0):
-            closes = model.eq_type[number] in (kinds.mjEQ_CONNECT, kinds.mjEQ_WELD)
+            closes = kinds(model.eq_type[number]) in (kinds.mjEQ_CONNECT, kinds.mjEQ_WELD)
             if closes and model.eq_objtype[number] == self.mujoco.mjtObj.mjOBJ_BODY:
                 bodies = (model.eq_obj1id[number], model.eq_obj2id[number])
                 if any(model.body_weldid[int(body)] == 0 for body in bodies):
