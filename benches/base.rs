@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use criterion::{BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
 use roberval_base::{Engine, Model, Options, ScalingOptions, base_parameters, scale};
-use roberval_benches::{robots, short};
+use roberval_benches::{coupled_robots, robots, short};
 
 fn base(criterion: &mut Criterion) {
     for (name, robot) in robots() {
@@ -24,6 +24,16 @@ fn base(criterion: &mut Criterion) {
     }
 }
 
+/// The SR400 takes less than 20 ms, the humanoid less than 1 s.
+fn coupled(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("base_parameters, coupled");
+    group.sampling_mode(SamplingMode::Flat);
+    let options = Options::default();
+    for (name, robot) in coupled_robots() {
+        group.bench_function(name, |b| b.iter(|| base_parameters(&robot, &options)));
+    }
+}
+
 fn scaling(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("scale");
     group.sampling_mode(SamplingMode::Flat);
@@ -38,6 +48,6 @@ fn scaling(criterion: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = short();
-    targets = base, scaling
+    targets = base, coupled, scaling
 }
 criterion_main!(benches);

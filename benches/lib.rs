@@ -35,6 +35,44 @@ pub fn robots() -> Vec<(&'static str, Mechanism)> {
     .into()
 }
 
+/// Robots whose joints follow others: the SR400 with its parallelogram, and a humanoid of 60
+/// joints, of which 20 are finger joints that follow the first one of their finger.
+///
+/// # Panics
+/// If a robot is not valid.
+#[must_use]
+pub fn coupled_robots() -> Vec<(&'static str, Mechanism)> {
+    let sr400 = roberval_formats::load("sr400").expect("in the catalogue");
+    let mut limbs = vec![
+        ("base", 1, 6),
+        ("base", 2, 6),
+        ("base", 3, 3),
+        ("3_3", 4, 7),
+        ("3_3", 5, 7),
+        ("3_3", 6, 1),
+    ];
+    let fingers = 11..=20;
+    limbs.extend(
+        fingers
+            .clone()
+            .map(|f| (if f <= 15 { "4_7" } else { "5_7" }, f, 3)),
+    );
+    let mut text = tree(&limbs);
+    for finger in fingers {
+        for (joint, ratio) in [(2, "1"), (3, "2/3")] {
+            write!(
+                text,
+                "[[couple]]\njoint = \"{finger}_{joint}\"\nequals = {{ \"{finger}_1\" = \"{ratio}\" }}\n"
+            )
+            .expect("a string takes all text");
+        }
+    }
+    let hands = roberval_formats::parse_toml(&text, "humanoid with hands").expect("a robot");
+    [("sr400", sr400), ("60 joints, 20 follow", hands)]
+        .map(|(name, robot)| (name, Mechanism::new(&robot).expect("valid")))
+        .into()
+}
+
 /// The link that a limb stands on, its number and its joints.
 type Limb<'a> = (&'a str, usize, usize);
 

@@ -173,3 +173,60 @@ def test_inverse_dynamics_are_those_of_mujoco_with_a_joint_equality() -> None:
         # orthogonal to g.
         expected = g @ data.qfrc_inverse
         assert robot.torques([q], [qd], [qdd]) == pytest.approx([expected], rel=1e-11)
+
+
+FINGER = """
+<link name="{side}_knuckle"/><link name="{side}_follower"/><link name="{side}_tip"/>
+<joint name="{side}_knuckle_joint" type="revolute">
+  <parent link="palm"/><child link="{side}_knuckle"/><origin xyz="{x} 0 0.054" rpy="0 0 {turn}"/>
+  <axis xyz="0 -1 0"/><limit effort="1" velocity="1"/>{mimic}</joint>
+<joint name="{side}_inner_joint" type="revolute">
+  <parent link="palm"/><child link="{side}_follower"/>
+  <origin xyz="{inner} 0 0.061" rpy="0 0 {turn}"/><axis xyz="0 -1 0"/>
+  <limit effort="1" velocity="1"/><mimic joint="left_knuckle_joint"/></joint>
+<joint name="{side}_tip_joint" type="revolute">
+  <parent link="{side}_follower"/><child link="{side}_tip"/><origin xyz="0.037 0 0.043"/>
+  <axis xyz="0 -1 0"/><limit effort="1" velocity="1"/>
+  <mimic joint="left_knuckle_joint" multiplier="-1"/></joint>
+"""
+"""One side of a two-finger gripper of Robotiq's kind, with numbers of our own."""
+
+GRIPPER = (
+    '<robot name="gripper"><link name="world"/><link name="palm"/>'
+    '<joint name="wrist" type="revolute"><parent link="world"/><child link="palm"/>'
+    '<axis xyz="0.6 0 0.8"/><limit effort="1" velocity="1"/></joint>'
+    + FINGER.format(side="left", x="0.03", inner="0.013", turn="0", mimic="")
+    + FINGER.format(
+        side="right",
+        x="-0.03",
+        inner="-0.013",
+        turn="3.141592653589793",
+        mimic='<mimic joint="left_knuckle_joint" multiplier="1"/>',
+    )
+    + "</robot>"
+)
+
+
+def test_a_gripper_whose_links_mimic_one_has_the_rank_of_its_projected_regressor() -> None:
+    pin = pytest.importorskip("pinocchio")
+    robot = rv.Robot.from_urdf(GRIPPER, rotors=False)
+    assert (robot.n, len(robot.moving), len(robot.couples)) == (2, 7, 5)
+    model = pin.buildModelFromXML(GRIPPER)
+    data = model.createData()
+    g = np.zeros((model.nv, 2))
+    for i, name in enumerate(robot.moving):
+        at = model.joints[model.getJointId(name)].idx_v
+        follows = {couple.joint: float(*couple.equals.values()) for couple in robot.couples}
+        g[at, 0 if name == "wrist" else 1] = follows.get(name, 1.0)
+        assert robot.moving[i] == name
+    rng = np.random.default_rng(3)
+    rows = []
+    for q, qd, qdd in rng.uniform(-3, 3, (200, 3, 2)):
+        rows.append(g.T @ pin.computeJointTorqueRegressor(model, data, g @ q, g @ qd, g @ qdd))
+    w = np.concatenate(rows)
+    w = w[:, np.abs(w).max(axis=0) > 1e-9]
+    spectrum = np.linalg.svd(w / np.linalg.norm(w, axis=0), compute_uv=False)
+    rank = int((spectrum > 1e-8 * spectrum[0]).sum())
+    for model_name in ("d", "d0", "h"):
+        base = robot.base_parameters(model=model_name)
+        assert (base.rank, base.engine) == (rank, "exact")

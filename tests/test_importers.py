@@ -120,7 +120,25 @@ def test_a_connect_of_two_bodies_closes_a_loop() -> None:
     passive = [link.name for link in closed.links if not link.active]
     assert passive == ["coupler", "rocker"]
     free = rv.Robot.from_mujoco(FOUR_BAR % (connect + ' active="false"'), rotors=False)
-    assert 0 < closed.base_parameters().rank < free.base_parameters().rank
+    base = closed.base_parameters()
+    assert base.engine == "exact"
+    assert 0 < base.rank < free.base_parameters().rank
+
+
+def test_a_free_body_with_loops_floats_unless_a_loop_holds_it_to_the_world() -> None:
+    pytest.importorskip("mujoco")
+    links, rest = FOUR_BAR.split("<worldbody>")[1].split("</worldbody>")
+    hull = (
+        '<body name="hull"><freejoint/><geom type="sphere" size=".1" mass="3"/>' + links + "</body>"
+    )
+    text = FOUR_BAR.split("<worldbody>")[0] + f"<worldbody>{hull}</worldbody>{rest}"
+    robot = rv.Robot.from_mujoco(text % 'connect body1="coupler" body2="rocker" anchor=".9 0 .1"')
+    assert robot.is_floating
+    assert (robot.n, robot.joints[-1]) == (7, "crank")
+    assert robot.base_parameters().engine == "exact"
+    with pytest.warns(rv.RobotWarning, match="held still"):
+        held = rv.Robot.from_mujoco(text % 'connect body1="coupler" body2="world" anchor=".9 0 .1"')
+    assert not held.is_floating
 
 
 def random_model(pin: Any) -> Any:

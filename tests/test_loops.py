@@ -165,15 +165,21 @@ def test_the_loop_is_closed_at_every_state() -> None:
 
 def test_the_answer_says_how_it_was_decided_and_what_the_loop_removes() -> None:
     base = rv.load("four_bar").base_parameters()
-    assert (base.rank, base.engine) == (8, "precise")
+    assert (base.rank, base.engine) == (8, "exact")
+    assert base.diagnosis.structure is not None
+    assert base.diagnosis.structure.loops == ()
+    assert "every assembly mode" in " ".join(base.to_markdown().split())
+    assert "MX_rocker" in base.to_markdown()
+    base = rv.load("delta").base_parameters()
+    assert (base.rank, base.engine) == (34, "precise")
     assert base.diagnosis.structure is None
     assert base.diagnosis.precision is not None
     assert base.diagnosis.precision.gap is not None
     assert base.diagnosis.precision.gap > 1e20
-    text = base.to_markdown()
-    assert "not an exact decision" in " ".join(text.split())
+    assert "planar or spherical" in (base.diagnosis.precision.reason or "")
+    text = " ".join(base.to_markdown().split())
+    assert "not an exact decision" in text
     assert "exact elimination" not in text
-    assert "MX_rocker" in text
 
 
 def test_a_robot_with_loops_is_built_from_its_text() -> None:

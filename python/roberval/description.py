@@ -179,7 +179,7 @@ class Description(Rendered):
     def closed(self) -> Array | None:
         """Variables of all joints of the tree where the loops are closed: they name the branch.
 
-        None for a robot without loops.
+        Without those of a base that floats. None for a robot without loops.
         """
         closed = self._inner.closed
         return None if closed is None else np.array(closed)

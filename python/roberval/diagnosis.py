@@ -26,7 +26,10 @@ class Structure:
     tree_rank : int or None
         The rank of the tree without couples, of a robot that has some.
     removed : tuple of str
-        The base parameters of that tree that the couples remove.
+        The base parameters of that tree that the couples or loops remove.
+    loops : tuple of str or None
+        The couples that the robot's loops are on their branch; empty where the loops were
+        taken at random points of their irreducible variety; None without loops.
     """
 
     rank: int
@@ -36,6 +39,7 @@ class Structure:
     generic: tuple[str, ...]
     tree_rank: int | None = None
     removed: tuple[str, ...] = ()
+    loops: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,8 @@ class Precision:
         b of the tree without its constraints.
     removed : tuple of str
         What these remove beyond the tree.
+    reason : str or None
+        Why the exact engine did not decide; None where it was not asked.
     """
 
     rank: int
@@ -67,6 +73,7 @@ class Precision:
     redrawn: int
     tree_rank: int | None = None
     removed: tuple[str, ...] = ()
+    reason: str | None = None
 
     @property
     def gap(self) -> float | None:
@@ -205,7 +212,7 @@ class Diagnosis:
 def _structure(core: _core.Answer, labels: tuple[str, ...]) -> Structure | None:
     if core.structure is None:
         return None
-    rank, primes, seeds, probability, generic = core.structure
+    rank, primes, seeds, probability, generic, loops = core.structure
     tree, removed = core.opened or (None, [])
     return Structure(
         rank,
@@ -215,16 +222,17 @@ def _structure(core: _core.Answer, labels: tuple[str, ...]) -> Structure | None:
         tuple(generic),
         tree,
         tuple(labels[column] for column in removed),
+        None if loops is None else tuple(loops),
     )
 
 
 def _precision(core: _core.Answer, labels: tuple[str, ...]) -> Precision | None:
     if core.precision is None:
         return None
-    rank, tolerance, (kept, dropped), samples, redrawn = core.precision
+    rank, tolerance, (kept, dropped), samples, redrawn, reason = core.precision
     tree, removed = core.opened or (None, [])
     names = tuple(labels[column] for column in removed)
-    return Precision(rank, tolerance, kept, dropped, samples, redrawn, tree, names)
+    return Precision(rank, tolerance, kept, dropped, samples, redrawn, tree, names, reason)
 
 
 def _literal(core: _core.Answer) -> Literal | None:

@@ -183,9 +183,9 @@ class Robot(Description):
 
         The frame of a link lies at its joint, in the axes of its body. A body with several
         joints becomes several links, the first ones without mass; ball joints become three
-        hinges; a free joint makes a base that floats if all others are on it and there are no
-        loops. Equality constraints of two joints become couples; what is not applied is
-        warned of. Joint variables are 0 where the model has ``qpos0``.
+        hinges; a free joint makes a base that floats if all others are on it and no loop is
+        closed on the world. Equality constraints of two joints become couples; what is not
+        applied is warned of. Joint variables are 0 where the model has ``qpos0``.
 
         Parameters
         ----------
@@ -429,8 +429,9 @@ class Robot(Description):
         model : {"d", "d0", "h"}
             The model whose columns are analysed; all give the same answer.
         engine : {"exact", "precise", "qr", "qrii", "svd"}
-            Elimination modulo primes, which needs no tolerance (the default; for loops it
-            becomes precise); the same in high-precision floats; QR without
+            Elimination modulo primes, which needs no tolerance (the default; where prime
+            fields do not hold a loop or an expression it becomes precise, and says why);
+            the same in high-precision floats; QR without
             pivoting (Gautier 1991, eq. (13)), QR with column pivoting (eq. (14)) or SVD
             (eq. (21)-(27)). All give the same answer.
         choice : {"paper", "pivoted", "prefer"}

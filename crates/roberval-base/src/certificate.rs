@@ -15,7 +15,8 @@ use roberval_scalar::Quantity;
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
-use crate::{ExactDecision, Witness};
+use crate::exact::with_couples;
+use crate::{ExactDecision, LoopForm, Witness};
 use couples::Couples;
 use numbers::{Constants, coefficient, exact_text, unit_text};
 
@@ -59,6 +60,12 @@ pub enum CertificateError {
         /// The joint.
         joint: String,
     },
+    /// Loops decided at points of their variety.
+    #[error(
+        "there is no certificate of loops that are no couples: the checker knows trees and couples; \
+         two seeds and the engine precise check such a decision"
+    )]
+    Loops,
     /// The coefficients are not known well enough.
     #[error(
         "{}: give angles that are related as multiples of pi, or with fewer digits", unsure(*error)
@@ -93,7 +100,13 @@ pub fn certificate(
     if !error.le(&LARGEST_ROUNDING_ERROR) {
         return Err(CertificateError::Unsure { error });
     }
-    let robot = robot(mechanism)?;
+    let robot = match &decision.loops {
+        None => robot(mechanism)?,
+        Some(LoopForm::Couples(couples)) => {
+            robot(&with_couples(mechanism, couples).ok_or(CertificateError::Loops)?)?
+        }
+        Some(LoopForm::Points) => return Err(CertificateError::Loops),
+    };
     let space = mechanism.parameters();
     let labels = |columns: &[usize]| -> Vec<&str> {
         let label = |&column: &usize| space.labels()[column].as_str();

@@ -4,7 +4,7 @@ use roberval_linalg::RankDecision;
 use roberval_mechanism::ParameterSpace;
 
 use crate::engine::Judgement;
-use crate::{Blame, Engine, ExactDecision, Literal, NullspaceDecision, Precision};
+use crate::{Blame, Engine, ExactDecision, Literal, LoopForm, NullspaceDecision, Precision};
 
 /// The dropped and the kept part of the spectrum must be this far apart, or the rank is
 /// doubtful: clean geometry shows 1e10 and more.
@@ -77,6 +77,8 @@ pub struct Structure {
     pub nullspace_rank: Option<usize>,
     /// The tree without its constraints, of a mechanism that has some.
     pub opened: Option<Opened>,
+    /// How prime fields hold the robot's loops; `None` without.
+    pub loops: Option<LoopForm>,
     /// The primes of the fields that agreed.
     pub primes: Vec<u64>,
     /// The seeds of their random values.
@@ -241,6 +243,7 @@ impl Diagnosis {
                 rank,
                 nullspace_rank,
                 opened: opened.then(|| Opened::of(tree, &exact.kept)),
+                loops: exact.loops.clone(),
                 primes: exact.primes.clone(),
                 seeds: exact.seeds.clone(),
                 failure_probability: exact.failure_probability,

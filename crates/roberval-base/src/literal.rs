@@ -4,7 +4,7 @@
 use roberval_mechanism::{Change, Cleaned, Cleaning, Mechanism, RobotDescription, apply};
 use roberval_regressor::Model;
 
-use crate::{BaseError, choose_exactly, decide_precisely};
+use crate::{BaseError, ExactError, choose_exactly, decide_precisely};
 
 /// Groups of equal numbers that are tried one by one to find those to blame.
 const MOST_GROUPS: usize = 24;
@@ -90,10 +90,11 @@ fn near_misses(
 fn rank_of(description: &RobotDescription, model: Model, seed: u64) -> Result<usize, BaseError> {
     let mechanism = Mechanism::new(description)?;
     let order: Vec<usize> = (0..mechanism.parameters().len()).collect();
-    let kept = if mechanism.is_affine() {
-        choose_exactly(&mechanism, model, &order, seed)?
-    } else {
-        decide_precisely(&mechanism, model, &order, seed)?.kept
+    let kept = match choose_exactly(&mechanism, model, &order, seed) {
+        Err(ExactError::Constraints { .. }) => {
+            decide_precisely(&mechanism, model, &order, seed)?.kept
+        }
+        other => other?,
     };
     Ok(kept.len())
 }

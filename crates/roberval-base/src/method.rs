@@ -11,8 +11,9 @@ use crate::literal::{Literal, literal};
 use crate::observation::check_size;
 use crate::result::Classes;
 use crate::{
-    BaseError, BaseParameters, Choice, Diagnosis, Engine, ExactNumber, NullspaceDecision,
-    Observation, Samples, decide_exactly, decide_precisely, nullspace_rank, observe,
+    BaseError, BaseParameters, Choice, Diagnosis, Engine, ExactError, ExactNumber,
+    NullspaceDecision, Observation, Samples, decide_exactly, decide_precisely, nullspace_rank,
+    observe,
 };
 
 /// Samples are never fewer than this: a subtree's own columns (at most 11 a link) are
@@ -119,10 +120,13 @@ pub(crate) fn base_parameters_with(
     facts: &Facts,
 ) -> Result<BaseParameters, BaseError> {
     match options.engine {
-        Engine::Exact if mechanism.is_affine() => {
-            by_elimination(mechanism, options, samples, facts)
-        }
-        Engine::Exact | Engine::Precise => by_precision(mechanism, options, samples, facts),
+        Engine::Exact => match by_elimination(mechanism, options, samples, facts) {
+            Err(BaseError::Exact(ExactError::Constraints { reason })) => {
+                by_precision(mechanism, options, samples, facts, Some(reason))
+            }
+            other => other,
+        },
+        Engine::Precise => by_precision(mechanism, options, samples, facts, None),
         Engine::Qr | Engine::Qrii | Engine::Svd => by_factorisation(mechanism, options, samples),
     }
 }
@@ -218,12 +222,14 @@ fn by_elimination(
     ))
 }
 
-/// The same in pairs of doubles, the float engines as witnesses.
+/// The same in pairs of doubles, the float engines as witnesses; `reason` tells why not
+/// exactly, where that was asked for.
 fn by_precision(
     mechanism: &Mechanism,
     options: &Options,
     samples: &Samples,
     facts: &Facts,
+    reason: Option<String>,
 ) -> Result<BaseParameters, BaseError> {
     let options = &Options {
         engine: Engine::Precise,
@@ -249,7 +255,7 @@ fn by_precision(
     let opened = mechanism.closure.is_some();
     let tree = opened.then(|| facts.nullspace(mechanism, options.seed));
     let tree = tree.transpose()?;
-    let diagnosis = Diagnosis::precise(&precise, tree, &witnesses, literal, fresh.residual);
+    let diagnosis = Diagnosis::precise(&precise, reason, tree, &witnesses, literal, fresh.residual);
     let no_effect = precise.no_effect;
     Ok(BaseParameters::new(
         mechanism,

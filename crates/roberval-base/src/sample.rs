@@ -79,13 +79,16 @@ impl Samples {
         Ok(samples)
     }
 
-    /// Replaces the positions by those of closed configurations, each used for `each`
-    /// samples.
+    /// Replaces the positions of joints by those of closed configurations, each used for
+    /// `each` samples; a base that floats keeps its own.
     fn close(&mut self, assembly: &Assembly, each: usize, seed: u64) -> Result<(), SampleError> {
         let mut walk = Walk::new(assembly, seed);
         let mut last = assembly.start.clone();
-        self.q.clear();
+        let random = std::mem::take(&mut self.q);
+        let width = random.len() / self.count.max(1);
+        let base = width - assembly.independent.len();
         for found in 0..self.count {
+            self.q.extend(&random[found * width..][..base]);
             if found % each > 0 {
                 self.q.extend(assembly.independent.iter().map(|&k| last[k]));
                 continue;

@@ -1,8 +1,10 @@
 //! Mechanisms with loops given by their cut joints.
 
-use roberval_base::{BaseParameters, Engine, Options, Samples, base_parameters};
+use roberval_base::{
+    BaseParameters, CertificateError, Engine, LoopForm, Options, Samples, base_parameters,
+};
 use roberval_formats::parse_toml;
-use roberval_mechanism::{Mechanism, MechanismError};
+use roberval_mechanism::{Assembly, Mechanism, MechanismError};
 use roberval_regressor::{Model, Regressor, States};
 use roberval_scalar::SplitMix64;
 
@@ -66,7 +68,10 @@ fn counts(text: &str, engines: &[Engine]) -> Counts {
     first
 }
 
-const ALL: &[Engine] = &[Engine::Exact, Engine::Qr, Engine::Qrii, Engine::Svd];
+const ALL: &[Engine] = &Engine::ALL;
+
+/// The two that decide far from rounding.
+const SURE: &[Engine] = &[Engine::Exact, Engine::Precise];
 
 #[test]
 fn planar_four_and_five_bars_have_the_counts_of_the_table() {
@@ -81,6 +86,41 @@ fn planar_four_and_five_bars_have_the_counts_of_the_table() {
     }
 }
 
+/// How the exact engine decided; `None` if it left it to pairs of doubles.
+fn form(text: &str) -> Option<LoopForm> {
+    let answer = answer(&mechanism(text), Model::D, Engine::Exact, 1);
+    answer.diagnosis.structure.and_then(|s| s.loops)
+}
+
+#[test]
+fn loops_are_decided_exactly_where_their_variety_is_irreducible_and_has_points_in_prime_fields() {
+    let crossed = "near = { 1 = 1, 2 = -2.0494, 3 = -2.3315 }";
+    for text in [
+        four_bar(IN_PLANE),
+        five_bar(NORMAL),
+        four_bar_cut_at_the_crank(IN_PLANE),
+        four_bar(IN_PLANE).replace("\"revolute\"", "\"spherical\""),
+        waist_with_four_bar(),
+        spherical_four_bar(),
+        slider_crank(),
+    ] {
+        assert_eq!(form(&text), Some(LoopForm::Points), "{text}");
+    }
+    let parallel = form(&parallelogram("near = { 1 = 1, 2 = -1, 3 = 1 }"));
+    assert!(matches!(parallel, Some(LoopForm::Couples(c)) if c.len() == 2));
+    let points = answer(&mechanism(&four_bar(IN_PLANE)), Model::D, Engine::Exact, 1);
+    assert_eq!(points.certificate(), Err(CertificateError::Loops));
+    // A branch that is a variety of its own, and no couple; loops without easy points.
+    for text in [parallelogram(crossed), bennett(), delta(), stewart(1)] {
+        assert_eq!(form(&text), None, "{text}");
+    }
+}
+
+#[test]
+fn a_slider_crank_has_one_count_by_all_engines() {
+    counts(&slider_crank(), ALL);
+}
+
 #[test]
 fn the_two_branches_of_a_parallelogram_are_never_mixed() {
     // The cranks parallel, and crossed: the other crank's tip mirrored at the diagonal.
@@ -93,14 +133,30 @@ fn the_two_branches_of_a_parallelogram_are_never_mixed() {
 }
 
 #[test]
+fn couples_and_loops_hold_together() {
+    // Equal cranks leave the parallelogram one branch; geared ones leave the five-bar a freedom.
+    let equal = "[[couple]]\njoint = \"3\"\nequals = { 1 = 1 }\n";
+    let (_, b, _) = counts(&format!("{}{equal}", parallelogram("")), ALL);
+    assert_eq!(b, 3);
+    let geared = "[[couple]]\njoint = \"3\"\nequals = { 1 = \"-1/2\" }\noffset = \"pi/2\"\n";
+    let text = format!("{}{geared}", five_bar(IN_PLANE));
+    let robot = mechanism(&text);
+    assert_eq!((robot.independent(), robot.dof()), (1, 4));
+    let start = &robot.assembly.as_ref().expect("a loop").start;
+    let miss = start[2] + start[0] / 2.0 - std::f64::consts::FRAC_PI_2;
+    assert!(miss.abs() < 1e-12, "{start:?}");
+    counts(&text, SURE);
+}
+
+#[test]
 fn cutting_a_loop_elsewhere_gives_the_same_count() {
     for gravity in [IN_PLANE, NORMAL] {
-        let (_, b, _) = counts(&four_bar(gravity), &[Engine::Exact]);
+        let (_, b, _) = counts(&four_bar(gravity), SURE);
         for text in [
             four_bar_cut_at_the_crank(gravity),
             four_bar_cut_at_the_ground(gravity),
         ] {
-            assert_eq!(counts(&text, &[Engine::Exact]).1, b, "{text}");
+            assert_eq!(counts(&text, SURE).1, b, "{text}");
         }
     }
 }
@@ -113,6 +169,7 @@ fn cutting_spatial_loops_elsewhere_gives_the_same_count() {
         (spherical_four_bar(), spherical_cut_elsewhere()),
         (rssr(), rssr_cut_elsewhere()),
         (delta.to_owned(), delta_cut_elsewhere(delta)),
+        (stewart(1), stewart(4)),
     ];
     for (text, elsewhere) in pairs {
         let count = |text: &str| answer(&mechanism(text), Model::D, Engine::Exact, 1).rank();
@@ -122,17 +179,98 @@ fn cutting_spatial_loops_elsewhere_gives_the_same_count() {
 
 #[test]
 fn the_count_does_not_depend_on_the_assembly_mode_of_an_irreducible_loop() {
-    let (c, b, deleted) = counts(&four_bar(IN_PLANE), &[Engine::Exact]);
+    let (c, b, deleted) = counts(&four_bar(IN_PLANE), SURE);
     for near in ["{ 1 = 1, 2 = 0, 3 = 1 }", "{ 1 = 1, 2 = -2, 3 = -2 }"] {
         let text = format!("{}near = {near}\n", four_bar(IN_PLANE));
         let start = &mechanism(&text).assembly.expect("a loop").start;
         let up = start[2].sin() > 0.0;
         assert_eq!(up, near.contains("3 = 1"), "{start:?}");
+        assert_eq!(counts(&text, SURE), (c, b, deleted.clone()), "{near}");
+    }
+}
+
+/// Whether a start is surely another assembly mode than others: at its independent joints,
+/// these have the other joints elsewhere.
+fn is_another_mode(start: &Assembly, others: &[Assembly]) -> bool {
+    let qa: Vec<f64> = start.independent.iter().map(|&k| start.start[k]).collect();
+    others.iter().all(|other| {
+        let there = other.reach(&other.start, &qa);
+        let apart = |q: &[f64]| {
+            let turn = |(a, b): (&f64, &f64)| (0.5 * (a - b)).sin().abs();
+            q.iter().zip(&start.start).map(turn).fold(0.0, f64::max)
+        };
+        there.is_ok_and(|q| apart(&q) > 1e-3)
+    })
+}
+
+#[test]
+fn a_floating_base_with_loops_has_the_counts_of_six_joints_that_carry_it() {
+    for (name, mechanism_on) in [
+        ("four-bar", four_bar_on as fn(&str) -> String),
+        ("parallelogram", parallelogram_on),
+        ("RSSR", rssr_on),
+    ] {
+        let floating = mechanism_on(FLOATING);
+        let robot = mechanism(&floating);
         assert_eq!(
-            counts(&text, &[Engine::Exact]),
-            (c, b, deleted.clone()),
-            "{near}"
+            (robot.base_variables(), robot.positions()),
+            (6, robot.independent() + 1)
         );
+        let (c, b, regrouped) = counts(&floating, SURE);
+        let carried = counts(&mechanism_on(CARRIED), SURE);
+        assert_eq!((c, b, regrouped), carried, "{name}");
+    }
+    let still = parse_toml(&four_bar_cut_at_the_ground(NORMAL), "r.toml").expect("valid");
+    let afloat = Mechanism::new(&still.with_floating_base()).expect("valid");
+    let b = answer(&afloat, Model::D, Engine::Exact, 1).rank();
+    assert_eq!(b, counts(&four_bar_on(FLOATING), SURE).1);
+    let exact = form(&four_bar_on(FLOATING));
+    assert_eq!(exact, Some(LoopForm::Points));
+    let couples = form(&parallelogram_on(FLOATING));
+    assert!(matches!(couples, Some(LoopForm::Couples(_))));
+}
+
+#[test]
+fn a_loop_on_the_ground_of_a_floating_robot_is_refused() {
+    let text = four_bar_on(FLOATING).replace("[\"2\", \"3\"]", "[\"2\", \"base\"]");
+    let error = Mechanism::new(&parse_toml(&text, "r.toml").expect("valid")).expect_err("ground");
+    assert!(error.to_string().contains("closed on the base"), "{error}");
+    let near = format!("{}near = {{ ground = 0 }}\n", four_bar_on(FLOATING));
+    let error = parse_toml(&near, "r.toml").expect_err("no variable");
+    assert!(error.to_string().contains("fixed or floats"), "{error}");
+}
+
+#[test]
+fn every_assembly_mode_of_irreducible_loops_has_the_same_count_in_floats() {
+    let mut random = SplitMix64::new(11);
+    for text in [
+        five_bar(IN_PLANE),
+        five_bar(NORMAL),
+        waist_with_four_bar(),
+        spherical_four_bar(),
+        slider_crank(),
+        rssr(),
+    ] {
+        let first = mechanism(&text);
+        let expected = count(&answer(&first, Model::D, Engine::Exact, 1));
+        let names: Vec<&str> = first.moving().map(|l| l.name.as_str()).collect();
+        let mut modes = vec![Assembly::clone(first.assembly.as_ref().expect("a loop"))];
+        for _ in 0..40 {
+            let values = names.iter();
+            let values = values.map(|name| format!("{name:?} = {:.3}", random.uniform(-3.0, 3.0)));
+            let near = values.collect::<Vec<_>>().join(", ");
+            let description = parse_toml(&format!("{text}near = {{ {near} }}\n"), "near.toml");
+            let Ok(robot) = Mechanism::new(&description.expect("valid")) else {
+                continue;
+            };
+            let assembly = robot.assembly.as_ref().expect("a loop");
+            if is_another_mode(assembly, &modes) {
+                let found = answer(&robot, Model::D, Engine::Precise, 2);
+                assert_eq!(count(&found), expected, "{near}\n{text}");
+                modes.push(Assembly::clone(assembly));
+            }
+        }
+        assert!(modes.len() > 1, "{text}");
     }
 }
 
@@ -165,9 +303,14 @@ fn a_loop_is_its_couple_on_the_branch_of_the_couple() {
             let difference = coupled.beta.as_slice().iter().zip(looped.beta.as_slice());
             let largest = difference.fold(0.0_f64, |m, (x, y)| m.max((x - y).abs()));
             assert!(largest <= SAME_BETA, "{largest}");
-            let precision = looped.diagnosis.precision.expect("high-precision floats");
+            assert_eq!(looped.diagnosis.opened().expect("a tree").rank, tree);
+            looped.certificate().expect("that of the couples");
+            let structure = looped.diagnosis.structure.expect("decided exactly");
+            assert!(matches!(structure.loops, Some(LoopForm::Couples(_))));
+            let precise = answer(&implicit, model, Engine::Precise, seed);
+            assert_eq!(count(&precise), count(&coupled));
+            let precision = precise.diagnosis.precision.expect("high-precision floats");
             assert!(precision.gap().expect("a gap") > 1e20);
-            assert_eq!(precision.opened.expect("a tree").rank, tree);
         }
     }
 }
@@ -184,14 +327,14 @@ fn spatial_loops_have_one_count_by_all_models_and_seeds() {
     for (text, mobility) in robots {
         let robot = mechanism(&text);
         assert_eq!(robot.independent(), mobility, "{}", robot.name);
-        counts(&text, &[Engine::Exact]);
+        counts(&text, SURE);
     }
 }
 
 #[test]
 fn a_delta_robot_whose_platform_keeps_its_orientation_has_fewer_base_parameters() {
     let text = include_str!("../../roberval-formats/catalogue/delta.toml");
-    let (c, b, _) = counts(text, &[Engine::Exact]);
+    let (c, b, _) = counts(text, SURE);
     assert_eq!((c, b), (43, 34));
     // The same loops have a branch on which the platform turns.
     let turning = answer(&mechanism(&delta()), Model::D, Engine::Exact, 1);
@@ -209,7 +352,7 @@ fn a_delta_robot_whose_platform_keeps_its_orientation_has_fewer_base_parameters(
 
 #[test]
 fn a_stewart_platform_is_led_by_its_six_legs_and_d_and_h_agree() {
-    let robot = mechanism(&stewart());
+    let robot = mechanism(&stewart(1));
     let joints = robot.independent_joints();
     let names: Vec<&str> = joints.iter().map(|l| l.name.as_str()).collect();
     assert_eq!(names, ["leg1", "leg2", "leg3", "leg4", "leg5", "leg6"]);
@@ -273,12 +416,16 @@ const SLOW: f64 = 0.02;
 fn the_power_of_the_independent_torques_is_the_rate_of_the_energy_of_the_whole_mechanism() {
     let robots = [
         four_bar(IN_PLANE),
+        format!(
+            "{}[[couple]]\njoint = \"3\"\nequals = {{ 1 = -2 }}\noffset = 1\n",
+            five_bar(IN_PLANE)
+        ),
         waist_with_four_bar(),
         spherical_four_bar(),
         rssr(),
         bennett(),
         delta(),
-        stewart(),
+        stewart(1),
     ];
     for text in robots {
         let robot = mechanism(&text);

@@ -54,6 +54,36 @@ const URDF: &str = "\u{feff}<?xml version='1.0'?>\r
 ";
 
 #[test]
+fn offsets_at_which_joints_follow_others_are_set_right() {
+    let chain = |angle: &str, offset: &str| {
+        format!(
+            "<robot name='g'><link name='b'/><link name='k'/><link name='t'/>
+            <joint name='knuckle' type='revolute'><parent link='b'/><child link='k'/>
+              <origin rpy='{angle} 0 0'/><axis xyz='0 0 1'/><limit effort='1' velocity='1'/></joint>
+            <joint name='tip' type='revolute'><parent link='k'/><child link='t'/>
+              <origin xyz='0.1 0 0'/><axis xyz='0 0 1'/><limit effort='1' velocity='1'/>
+              <mimic joint='knuckle' multiplier='-1' offset='{offset}'/></joint></robot>"
+        )
+    };
+    let (text, changes, near) = clean_urdf(&chain("0", "1.5708"), "g.urdf", &policy()).unwrap();
+    assert_eq!(text, chain("0", "1.5707963267948966"));
+    assert_eq!(changes.len(), 1);
+    assert!(
+        changes[0]
+            .to_string()
+            .starts_with("tip offset = 1.5708 is 3.7e-6 rad from pi/2")
+    );
+    assert!(near.is_empty());
+    let (_, _, near) = clean_urdf(&chain("0", "3.14"), "g.urdf", &policy()).unwrap();
+    assert_eq!(near.len(), 1);
+    let toml = "[[link]]\nname = \"1\"\nalpha = 0\nd = 0\nr = 0\n[[link]]\nname = \"2\"\nalpha = 0\nd = 1\nr = 0\n\
+                [[couple]]\njoint = \"2\"\nequals = { 1 = 2 }\noffset = 3.1416 # half a turn\n";
+    let (text, changes, _) = clean_toml(toml, "g.toml", &policy()).unwrap();
+    assert_eq!(changes.len(), 1);
+    assert_eq!(text, toml.replace("3.1416", "\"pi\""));
+}
+
+#[test]
 fn only_the_changed_numbers_of_a_urdf_are_replaced() {
     let (text, changes, near) = clean_urdf(URDF, "r.urdf", &policy()).unwrap();
     let expected = URDF

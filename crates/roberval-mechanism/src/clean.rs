@@ -4,7 +4,7 @@
 //! parameters. Which of the two is meant is a modelling decision: [`clean`] takes it by a
 //! plain rule, lists what it changed and by how much, and every change can be taken back.
 //!
-//! * Angles within 1e-4 rad of k pi/12 become exactly that, unless they are written as a
+//! * Angles (of frames, and at which joints follow others) within 1e-4 rad of k pi/12 become exactly that, unless they are written as a
 //!   fraction of a turn (`pi/7`, `89.999 deg`): that is no rounding.
 //! * Lengths of at most 1e-6 m become 0.
 //! * Components of an axis, and of gravity, of at most 1e-6 of its length become 0. The
@@ -12,7 +12,7 @@
 //!   takes it off.
 //! * Angles up to 5.5e-3 rad away are shown and left alone.
 //!
-//! Inertial parameters, limits and mimic joints are never touched. Cleaning a cleaned
+//! Inertial parameters, limits and multipliers of mimic joints are never touched. Cleaning a cleaned
 //! description changes nothing.
 
 mod angle;
@@ -193,6 +193,10 @@ fn change(
     } = literal.place;
     let link = match field {
         Field::Gravity(_) => None,
+        Field::Offset => {
+            let joint = description.couples.get(link).map(|c| &c.joint);
+            description.links.iter().find(|l| Some(&l.name) == joint)
+        }
         _ if in_loop => None,
         _ => description.links.get(link),
     };
@@ -237,6 +241,13 @@ impl Change {
     pub fn loop_frame(&self) -> Option<(usize, usize)> {
         let place = self.places.first().filter(|p| p.in_loop)?;
         Some((place.link, place.origin))
+    }
+
+    /// The couple whose offset the number is, from 0.
+    #[must_use]
+    pub fn couple(&self) -> Option<usize> {
+        let place = self.places.first()?;
+        (self.field == Field::Offset).then_some(place.link)
     }
 
     /// Whether only the last digit of a double changes: 1.5707963267948966 to pi/2, a

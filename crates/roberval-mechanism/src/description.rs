@@ -47,7 +47,8 @@ impl RobotDescription {
         self
     }
 
-    /// The same robot on a base that floats: links that stood on the base stand on a link
+    /// The same robot on a base that floats: links that stood on the base, and loops closed
+    /// there, stand on a link
     /// "0" that moves freely and of whose inertia nothing is known. A robot that floats
     /// already stays as it is.
     #[must_use]
@@ -57,6 +58,10 @@ impl RobotDescription {
         }
         for link in self.links.iter_mut().filter(|l| l.antecedent.is_none()) {
             link.antecedent = Some(FLOATING_BASE.to_owned());
+        }
+        let sides = self.loops.iter_mut().flat_map(|l| &mut l.between);
+        for side in sides.filter(|side| side.is_none()) {
+            *side = Some(FLOATING_BASE.to_owned());
         }
         self.links.insert(0, LinkDescription::floating(self.format));
         self

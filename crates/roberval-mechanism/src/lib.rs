@@ -36,6 +36,7 @@ pub use description::{
 pub use loops::{
     Assembly, AssemblyError, Configuration, CoupleLaw, Cut, LinkFrame, Linkage, LoopClosure,
     LoopError, LoopFrames, LoopMotion, NotClosed, Pose, ResolvedLoop, Walk, couple_laws,
+    in_linkage,
 };
 pub use mechanism::{Cleaning, Link, Mechanism, MechanismError};
 pub use parameters::{ParameterId, ParameterKind, ParameterSpace};

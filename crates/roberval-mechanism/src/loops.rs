@@ -14,6 +14,7 @@ use std::fmt;
 use roberval_scalar::Quantity;
 
 use crate::Origin;
+pub use assemble::in_linkage;
 pub use couples::{CoupleLaw, couple_laws};
 pub use linkage::{Configuration, LinkFrame, Linkage, LoopFrames, Pose};
 pub use resolve::{LoopError, ResolvedLoop};

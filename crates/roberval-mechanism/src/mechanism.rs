@@ -161,13 +161,16 @@ pub enum MechanismError {
         /// The one that floats.
         floating: String,
     },
-    /// Loops on a base that floats.
+    /// A loop on the ground of a robot that floats.
     #[error(
-        "the robot \"{robot}\" has loops and floats: roberval analyses either, not both; couples may replace loops"
+        "the robot \"{robot}\" floats, but its loop {} is closed on the base, which is the ground then: \
+         close it on the floating link, or fix that", number + 1
     )]
-    FloatingLoops {
+    FloatingLoop {
         /// The robot's name.
         robot: String,
+        /// The loop, from 0.
+        number: usize,
     },
     /// A link without a body carries none, or several.
     #[error(
@@ -275,11 +278,6 @@ impl Mechanism {
             });
         }
         if !description.loops.is_empty() {
-            if mechanism.is_floating() {
-                return Err(MechanismError::FloatingLoops {
-                    robot: mechanism.name,
-                });
-            }
             mechanism.close_loops(&antecedents)?;
         }
         Ok(mechanism)
@@ -303,6 +301,17 @@ impl Mechanism {
     pub fn is_floating(&self) -> bool {
         let first = self.links.first();
         first.is_some_and(|l| l.joint == JointKind::Floating)
+    }
+
+    /// How many of the n variables are those of a base that floats, which come first: 6 or 0.
+    /// Loops do not involve them: their [`Assembly`] counts the others.
+    #[must_use]
+    pub fn base_variables(&self) -> usize {
+        if self.is_floating() {
+            JointKind::Floating.dof()
+        } else {
+            0
+        }
     }
 
     /// The link of each of the n variables, in their order: a floating one stands six times.

@@ -89,20 +89,36 @@ impl Answer {
         Some(beta.iter().map(row).collect())
     }
 
-    /// Rank, primes, seeds, failure probability and generic angles of the exact engine.
+    /// Rank, primes, seeds, failure probability and generic angles of the exact engine, and the
+    /// couples that loops are (none of those it took at points; None without loops).
     #[getter]
     fn structure(&self) -> Option<StructureRow> {
         let s = self.answer.diagnosis.structure.clone()?;
-        Some((s.rank, s.primes, s.seeds, s.failure_probability, s.generic))
+        let loops = tables::loop_couples(&self.answer);
+        Some((
+            s.rank,
+            s.primes,
+            s.seeds,
+            s.failure_probability,
+            s.generic,
+            loops,
+        ))
     }
 
     /// Rank, tolerance, smallest kept and largest dropped value, samples and redrawn
-    /// configurations of a decision in pairs of doubles.
+    /// configurations of a decision in pairs of doubles, and why it was not exact.
     #[getter]
     fn precision(&self) -> Option<PrecisionRow> {
         let p = self.answer.diagnosis.precision.as_ref()?;
         let values = (p.smallest_kept, p.largest_dropped);
-        Some((p.rank, p.tolerance, values, p.samples, p.redrawn))
+        Some((
+            p.rank,
+            p.tolerance,
+            values,
+            p.samples,
+            p.redrawn,
+            p.reason.clone(),
+        ))
     }
 
     /// Rank of the tree without constraints, and the columns that they remove.
@@ -245,8 +261,22 @@ impl Answer {
 }
 
 type WitnessRow = (&'static str, usize, Option<f64>, Option<f64>, Vec<f64>, f64);
-type PrecisionRow = (usize, f64, (Option<f64>, Option<f64>), usize, usize);
-type StructureRow = (usize, Vec<u64>, Vec<u64>, f64, Vec<String>);
+type PrecisionRow = (
+    usize,
+    f64,
+    (Option<f64>, Option<f64>),
+    usize,
+    usize,
+    Option<String>,
+);
+type StructureRow = (
+    usize,
+    Vec<u64>,
+    Vec<u64>,
+    f64,
+    Vec<String>,
+    Option<Vec<String>>,
+);
 type LiteralRow = ((usize, usize), Vec<(String, usize)>, Vec<(String, usize)>);
 
 /// A coefficient as Python builds it: "363/1250", [(n, "r")] for sums of r sqrt(n), float.

@@ -70,7 +70,7 @@ impl IntoPython for RegressorError {
 impl IntoPython for CertificateError {
     fn into_python(self, py: Python<'_>) -> PyErr {
         let class = match self {
-            Self::NotExact => "OptionError",
+            Self::NotExact | Self::Loops => "OptionError",
             Self::TooLong { .. } | Self::Couple { .. } => "RobotError",
             Self::Unsure { .. } => "NumericalError",
         };

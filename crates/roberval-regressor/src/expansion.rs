@@ -61,7 +61,7 @@ impl Expansion<f64> {
     pub fn in_floats(mechanism: &Mechanism) -> Option<Self> {
         if let Some(assembly) = &mechanism.assembly {
             let linkage = assembly.linkage.clone();
-            let loops = LoopExpansion::new(assembly.clone(), linkage);
+            let loops = LoopExpansion::new(assembly.clone(), linkage, mechanism.base_variables());
             return Some(Self(Kind::Loops(loops)));
         }
         let closure = mechanism.closure.as_ref()?;

@@ -35,7 +35,8 @@ pub use dynamics::{DynamicsWorkspace, dynamics};
 pub use energy::{EnergyWorkspace, energy};
 pub use exact::{
     AngleOrder, AngleParts, AngleUnit, AngleUnits, CouplePowers, ExactModel, ExactWorkspace,
-    NotInField, PreciseModel, RowsWorkspace, Turn, coupled, whole_multiple,
+    NotClosed as LoopsNotInField, NotInField, PreciseModel, RowsWorkspace, Turn, coupled,
+    couples_close_loops, whole_multiple,
 };
 pub use expansion::{Expansion, JointStates, NoValue};
 pub use frame::{Aligned, Layout};

@@ -2,11 +2,10 @@
 
 use std::sync::{Arc, OnceLock};
 
-use roberval_mechanism::{
-    Assembly, LinkFrame, Linkage, Mechanism, NotClosed, Pose, Walk, couple_laws,
-};
+use roberval_mechanism::{Assembly, Linkage, Mechanism, NotClosed, Pose, Walk, couple_laws};
 use roberval_scalar::{Quantity, Real};
 
+use crate::exact::link_frames;
 use crate::{JointStates, NotInField, Transmission, Tree};
 
 /// All joints of a mechanism with loops: the configuration follows in doubles from the
@@ -15,6 +14,8 @@ use crate::{JointStates, NotInField, Transmission, Tree};
 pub(crate) struct LoopExpansion<T> {
     assembly: Arc<Assembly>,
     linkage: Linkage<T>,
+    /// Variables of a base that floats, which stand before those of joints.
+    first: usize,
     /// Configurations on the branch from which others may be reached.
     landmarks: Arc<OnceLock<Vec<Vec<f64>>>>,
 }
@@ -26,24 +27,29 @@ const LANDMARKS: (usize, usize) = (64, 8);
 const SEED: u64 = 0x1a_4d;
 
 impl<T: Real> LoopExpansion<T> {
-    pub fn new(assembly: Arc<Assembly>, linkage: Linkage<T>) -> Self {
+    pub fn new(assembly: Arc<Assembly>, linkage: Linkage<T>, first: usize) -> Self {
         Self {
             assembly,
+            first,
             linkage,
             landmarks: Arc::default(),
         }
     }
 
     pub fn independent(&self) -> usize {
-        self.assembly.independent.len()
+        self.first + self.assembly.independent.len()
     }
 
     pub fn states(&self) -> JointStates<T> {
         let start = &self.assembly.start;
-        let zeros = vec![T::from(0.0); start.len()];
-        let rows = vec![dense(&vec![T::from(0.0); self.independent()]); start.len()];
+        let zeros = vec![T::from(0.0); self.first + start.len()];
+        let base = (0..self.first).map(|i| vec![(i, T::from(1.0))]);
+        let places = self.first..self.independent();
+        let row: Vec<(usize, T)> = places.map(|place| (place, T::from(0.0))).collect();
+        let rows = base.chain(vec![row; start.len()]);
+        let still = vec![0.0; self.first];
         JointStates {
-            q: start.iter().map(|&q| T::from(q)).collect(),
+            q: still.iter().chain(start).map(|&q| T::from(q)).collect(),
             qd: zeros.clone(),
             qdd: zeros,
             transmission: Transmission::from_rows(rows),
@@ -52,13 +58,18 @@ impl<T: Real> LoopExpansion<T> {
 
     pub fn expand(&self, state: [&[T]; 3], states: &mut JointStates<T>) -> Result<(), NotClosed> {
         let doubles = |x: &[T]| -> Vec<f64> { x.iter().map(|x| x.to_f64()).collect() };
-        let near = self.reach(&doubles(&states.q), &doubles(state[0]))?;
-        let motion = self.linkage.motion(&self.assembly, &near, state)?;
-        states.q = motion.q;
-        states.qd = motion.qd;
-        states.qdd = motion.qdd;
+        let first = self.first;
+        let joints = state.map(|x| &x[first..]);
+        let near = self.reach(&doubles(&states.q[first..]), &doubles(joints[0]))?;
+        let motion = self.linkage.motion(&self.assembly, &near, joints)?;
+        let all = [&mut states.q, &mut states.qd, &mut states.qdd];
+        let of_joints = [motion.q, motion.qd, motion.qdd];
+        for ((all, base), of_joints) in all.into_iter().zip(state).zip(of_joints) {
+            all[..first].copy_from_slice(&base[..first]);
+            all[first..].copy_from_slice(&of_joints);
+        }
         for (i, row) in motion.g.iter().enumerate() {
-            states.transmission.row_mut(i).copy_from_slice(row);
+            states.transmission.row_mut(first + i).copy_from_slice(row);
         }
         Ok(())
     }
@@ -92,10 +103,6 @@ impl<T> LoopExpansion<T> {
     }
 }
 
-fn dense<T: Copy>(row: &[T]) -> Vec<(usize, T)> {
-    row.iter().copied().enumerate().collect()
-}
-
 /// The linkage of a mechanism in numbers of any precision: its tree, with axes of length
 /// 1, is known in them, and `poses` places the frames of its loops.
 pub(crate) fn precise_linkage<T: Real>(
@@ -106,18 +113,13 @@ pub(crate) fn precise_linkage<T: Real>(
 ) -> Result<Linkage<T>, NotInField> {
     let constants: &[(String, Quantity)] = &mechanism.description.constants;
     let loops = mechanism.loop_frames(poses)?;
-    let couples = couple_laws(mechanism.couples().as_ref(), constants);
-    let links = tree.bodies.iter().map(|body| LinkFrame {
-        antecedent: body.antecedent,
-        joint: body.joint,
-        pose: Pose {
-            rotation: body.rotation,
-            origin: body.origin,
-        },
-        axis: body.axis,
-    });
+    let couples = couple_laws(
+        mechanism.couples().as_ref(),
+        mechanism.base_variables(),
+        constants,
+    );
     Ok(Linkage::new(
-        links.collect(),
+        link_frames(tree),
         loops,
         couples.ok_or(NotInField::Inverse)?,
         assembly.linkage.unit(),

@@ -71,7 +71,7 @@ fn independent(mechanism: &Mechanism) -> impl Iterator<Item = &Link> {
 }
 
 /// `q(2) = q(3) - 1/2 q(4) + 3*pi`, as written.
-fn equation(mechanism: &Mechanism, couple: &Couple) -> String {
+pub(crate) fn equation(mechanism: &Mechanism, couple: &Couple) -> String {
     let name = |name: &str| {
         let link = mechanism.links.iter().find(|link| link.name == name);
         format!("q({})", link.map_or(name, Link::label))
@@ -127,7 +127,7 @@ fn append(sum: &mut String, text: &str, x: &Quantity) {
     sum.push_str(text);
 }
 
-fn shortened(texts: &[String]) -> String {
+pub(crate) fn shortened(texts: &[String]) -> String {
     let shown = texts[..texts.len().min(MOST_SHOWN)].join(", ");
     match texts.len().saturating_sub(MOST_SHOWN) {
         0 => shown,

@@ -27,6 +27,7 @@ mod show;
 mod symbolic;
 mod text;
 
+pub use loops::loop_couples;
 use std::fmt;
 use std::str::FromStr;
 

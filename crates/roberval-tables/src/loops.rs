@@ -1,10 +1,11 @@
-//! Loops in words: the joints that were cut, the mobility, the branch, and how pairs of
-//! doubles decided.
+//! Loops in words: the joints that were cut, the mobility, the branch, and how they were
+//! decided.
 
-use roberval_base::{BaseParameters, Precision};
+use roberval_base::{BaseParameters, LoopForm, Precision};
 use roberval_mechanism::{Assembly, LoopClosure, Mechanism};
 use serde_json::{Value, json};
 
+use crate::couples::{equation, shortened};
 use crate::number::{shortest, size};
 
 /// Joint values shown at most.
@@ -25,7 +26,7 @@ pub(crate) fn lines(mechanism: &Mechanism) -> Vec<String> {
     lines.push(format!(
         "Mobility {}: {} joints less {} independent of {} equations ({} redundant)",
         assembly.mobility(),
-        mechanism.dof(),
+        assembly.linkage.dof(),
         assembly.rank,
         assembly.linkage.equations(),
         assembly.redundant()
@@ -43,7 +44,8 @@ fn sides(closure: &LoopClosure) -> [&str; 2] {
 
 /// `q(1) = 0.3, q(2) = -1.1`
 fn start(mechanism: &Mechanism, assembly: &Assembly) -> String {
-    let values = mechanism.moving().zip(&assembly.start);
+    let joints = mechanism.moving().skip(mechanism.base_variables());
+    let values = joints.zip(&assembly.start);
     let mut texts: Vec<String> = values
         .take(MOST_SHOWN)
         .map(|(link, q)| {
@@ -88,14 +90,50 @@ pub(crate) fn json(mechanism: &Mechanism) -> Value {
     })
 }
 
+/// The couples that the loops are on their branch; none of those that the exact engine took
+/// at points. `None` without loops, or where it did not decide.
+pub fn loop_couples(answer: &BaseParameters) -> Option<Vec<String>> {
+    let structure = answer.diagnosis.structure.as_ref()?;
+    let couples = match structure.loops.as_ref()? {
+        LoopForm::Couples(couples) => couples.as_slice(),
+        LoopForm::Points => &[],
+    };
+    let equation = |couple| equation(&answer.mechanism, couple);
+    Some(couples.iter().map(equation).collect())
+}
+
+/// How prime fields hold the loops.
+pub(crate) fn form(answer: &BaseParameters) -> Option<String> {
+    let couples = loop_couples(answer)?;
+    Some(if couples.is_empty() {
+        "The loops were taken at random points of their variety, which is irreducible: every \
+         assembly mode has this answer"
+            .to_owned()
+    } else {
+        let couples = shortened(&couples);
+        format!("On this branch the loops are couples, which close them identically: {couples}")
+    })
+}
+
+/// The same for programs; null without loops or an exact decision.
+pub(crate) fn form_json(answer: &BaseParameters) -> Value {
+    match loop_couples(answer) {
+        None => Value::Null,
+        Some(couples) if couples.is_empty() => "points".into(),
+        Some(couples) => couples.into(),
+    }
+}
+
 /// How pairs of doubles decided.
 pub(crate) fn decided(answer: &BaseParameters) -> Option<Vec<String>> {
     let precision = answer.diagnosis.precision.as_ref()?;
+    let reason = precision.reason.as_ref();
     let value = |x: Option<f64>| x.map_or("none".to_owned(), size);
     let mut lines = vec![format!(
-        "Rank {} in high-precision floats (pairs of doubles; not an exact decision): smallest \
+        "Rank {} in high-precision floats (pairs of doubles; not an exact decision{}): smallest \
          kept {}, largest dropped {}, gap {}",
         precision.rank,
+        reason.map_or(String::new(), |reason| format!(", as {reason}")),
         value(precision.smallest_kept),
         value(precision.largest_dropped),
         value(precision.gap())
@@ -115,6 +153,7 @@ pub(crate) fn precision(answer: &BaseParameters) -> Value {
     let precision = answer.diagnosis.precision.as_ref();
     json!(precision.map(|p: &Precision| json!({
         "rank": p.rank,
+        "reason": p.reason,
         "tolerance": p.tolerance,
         "smallest_kept": p.smallest_kept,
         "largest_dropped": p.largest_dropped,

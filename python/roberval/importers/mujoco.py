@@ -1,9 +1,9 @@
 """MuJoCo models.
 
 A body with several joints becomes several links, the first ones massless; a ball joint becomes
-three hinges; a free joint makes a base that floats if all other joints are on it and there are no
-loops; bodies without joints are lumped into their parents. The frame of a link lies at its joint,
-in the axes of its body.
+three hinges; a free joint makes a base that floats if all other joints are on it and no loop is
+closed on the world; bodies without joints are lumped into their parents. The frame of a link lies
+at its joint, in the axes of its body.
 """
 
 from __future__ import annotations
@@ -93,14 +93,23 @@ class Reader:
         self.by_joint: dict[int, Link] = {}
         self.warnings: list[str] = []
         roots = {int(model.body_rootid[body]) for body in model.jnt_bodyid}
-        closed = {self.mujoco.mjtEq.mjEQ_CONNECT, self.mujoco.mjtEq.mjEQ_WELD}
-        kinds = {self.mujoco.mjtEq(kind) for kind in model.eq_type[model.eq_active0 > 0]}
-        self.floats = len(roots) == 1 and not kinds & closed
+        self.floats = len(roots) == 1 and not self.is_held()
         self.taken: set[str] = set()
         # The link that a body belongs to, and the body's frame on it.
         self.place: dict[int, tuple[Link | None, Array, Array]] = {
             0: (None, np.eye(3), np.zeros(3))
         }
+
+    def is_held(self) -> bool:
+        """Tell whether a connect or weld of two bodies holds one to the world."""
+        model, kinds = self.model, self.mujoco.mjtEq
+        for number in np.flatnonzero(model.eq_active0):
+            closes = kinds(model.eq_type[number]) in (kinds.mjEQ_CONNECT, kinds.mjEQ_WELD)
+            if closes and model.eq_objtype[number] == self.mujoco.mjtObj.mjOBJ_BODY:
+                bodies = (model.eq_obj1id[number], model.eq_obj2id[number])
+                if any(model.body_weldid[int(body)] == 0 for body in bodies):
+                    return True
+        return False
 
     def name(self, kind: str, index: int) -> str:
         """Return the name of an object, or one made of its number."""

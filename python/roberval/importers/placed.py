@@ -118,7 +118,8 @@ def toml(
             f"equals = {{ {terms} }}",
             f"offset = {number(couple.offset)}",
         ]
-    near = ", ".join(f"{string(link.name)} = 0" for link in links)
+    moving = (link for link in links if link.joint != "floating")
+    near = ", ".join(f"{string(link.name)} = 0" for link in moving)
     for loop in loops:
         between = ", ".join(string("base" if link is None else link) for link in loop.between)
         frames = ", ".join(

@@ -4,6 +4,7 @@ use roberval_mechanism::Mechanism;
 use roberval_regressor::{AngleOrder, Model, NoValue, NotInField};
 
 use super::coefficients::coefficients;
+use super::constraints::{LoopForm, held};
 use super::number::ExactNumber;
 use super::rounded::{round_open_entries, wide::independent};
 use super::run::{Goal, Run, run};
@@ -36,6 +37,8 @@ pub struct ExactDecision {
     /// the kept columns are not independent after all, which takes angles that stand for
     /// generic ones and are not: with such angles, wide numbers are asked.
     pub rounding_error: f64,
+    /// How the fields hold the robot's loops; `None` without.
+    pub loops: Option<LoopForm>,
     /// The primes of the fields that agreed.
     pub primes: Vec<u64>,
     /// The seeds of their random values.
@@ -65,11 +68,12 @@ pub enum ExactError {
     /// Loops without configurations to sample.
     #[error(transparent)]
     Samples(#[from] SampleError),
-    /// Loops that are given implicitly, and couples by expressions.
-    #[error(
-        "loops given by their cut joints and couples by expressions are not decided exactly: use the engine \"precise\""
-    )]
-    Loops,
+    /// Constraints that no prime field holds.
+    #[error("not decided exactly, as {reason}: use the engine \"precise\"")]
+    Constraints {
+        /// Why.
+        reason: String,
+    },
     /// Fields disagree again and again.
     #[error("prime fields disagree about the rank ({ranks:?}): please report this robot")]
     Disagreement {
@@ -89,9 +93,8 @@ pub fn decide_exactly(
     order: &[usize],
     seed: u64,
 ) -> Result<ExactDecision, ExactError> {
-    if !mechanism.is_affine() {
-        return Err(ExactError::Loops);
-    }
+    let (held, loops) = held(mechanism, seed)?;
+    let mechanism = held.as_ref();
     let angles = AngleOrder::of(mechanism);
     let field = |seed: u64, conjugate: u64| {
         let goal = Goal::Relations;
@@ -122,6 +125,7 @@ pub fn decide_exactly(
         generic: first.generic,
         beta,
         rounding_error,
+        loops,
     })
 }
 
@@ -136,9 +140,8 @@ pub fn choose_exactly(
     order: &[usize],
     seed: u64,
 ) -> Result<Vec<usize>, ExactError> {
-    if !mechanism.is_affine() {
-        return Err(ExactError::Loops);
-    }
+    let held = held(mechanism, seed)?.0;
+    let mechanism = held.as_ref();
     let angles = AngleOrder::of(mechanism);
     let field = |k: u64| {
         let seed = field_seed(seed, k);

@@ -17,16 +17,29 @@ pub(crate) fn in_some_field<T>(
     angles: AngleOrder,
     seed: u64,
     conjugate: u64,
-    f: impl FnOnce(&ExactModel<'_>, &mut SplitMix64) -> T,
+    mut f: impl FnMut(&ExactModel<'_>, &mut SplitMix64) -> T,
+) -> Result<T, NotInField> {
+    try_fields(angles, seed, |modulus, seed, random| {
+        let exact = ExactModel::new(mechanism, modulus, angles, conjugate, seed)?;
+        Ok(f(&exact, random))
+    })
+}
+
+/// The first of many random prime fields that succeeds. `attempt` receives the field, a
+/// seed and the source for more.
+pub(super) fn try_fields<T>(
+    angles: AngleOrder,
+    seed: u64,
+    mut attempt: impl FnMut(&Modulus, u64, &mut SplitMix64) -> Result<T, NotInField>,
 ) -> Result<T, NotInField> {
     let mut random = SplitMix64::new(seed);
     let mut last = NotInField::Root;
     for _ in 0..MOST_PRIMES {
         let modulus = Modulus::new(random_prime(angles.get(), &mut random));
-        let model_seed = random.next_u64();
-        match ExactModel::new(mechanism, &modulus, angles, conjugate, model_seed) {
-            Ok(exact) => return Ok(f(&exact, &mut random)),
-            Err(error) => last = error,
+        let seed = random.next_u64();
+        match attempt(&modulus, seed, &mut random) {
+            Err(error @ (NotInField::Root | NotInField::Inverse)) => last = error,
+            other => return other,
         }
     }
     Err(last)

@@ -11,11 +11,15 @@
 //! may be too high, and the diagnosis names them.
 
 mod coefficients;
+mod constraints;
 mod decision;
 mod field;
 mod number;
 mod rounded;
 mod run;
+
+pub use constraints::LoopForm;
+pub(crate) use constraints::{held, with_couples};
 
 pub use decision::{ExactDecision, ExactError, choose_exactly, decide_exactly};
 pub(crate) use field::in_some_field;

@@ -65,8 +65,11 @@ pub(crate) fn run(
     goal: Goal,
 ) -> Result<Run, NotInField> {
     in_some_field(mechanism, angle_order, seed, conjugate, |exact, random| {
-        eliminate_to(mechanism, model, order, exact, seed, random, goal)
-    })
+        exact.holds_constraints().map_err(NotInField::Loops)?;
+        Ok(eliminate_to(
+            mechanism, model, order, exact, seed, random, goal,
+        ))
+    })?
 }
 
 /// Analyses the robot of an exact model: [`Run`] in its field. `random` draws the states.

@@ -17,6 +17,8 @@ const CLEARLY_KEPT: f64 = 1e-8;
 pub struct Precision {
     /// b.
     pub rank: usize,
+    /// Why prime fields did not decide; `None` where they were not asked.
+    pub reason: Option<String>,
     /// What counts as zero, relative to the column.
     pub tolerance: f64,
     /// The smallest kept value, relative to the column.
@@ -45,6 +47,7 @@ impl Diagnosis {
     /// constraints, of a mechanism that has some.
     pub(crate) fn precise(
         decision: &PreciseDecision,
+        reason: Option<String>,
         tree: Option<&NullspaceDecision>,
         judgements: &[(Engine, Judgement)],
         literal: Option<Literal>,
@@ -72,6 +75,7 @@ impl Diagnosis {
             structure: None,
             precision: Some(Precision {
                 rank,
+                reason,
                 tolerance: decision.tolerance,
                 smallest_kept: decision.smallest_kept,
                 largest_dropped: decision.largest_dropped,

@@ -45,6 +45,21 @@ pub fn parallelogram(near: &str) -> String {
     )
 }
 
+/// A crank, a rod and a piston that slides beside the crank's axis.
+pub fn slider_crank() -> String {
+    format!(
+        "name = \"slider-crank\"\ngravity = {IN_PLANE}\n\
+         link = [\n\
+         {{ name = \"crank\", alpha = 0, d = 0, r = 0 }},\n\
+         {{ name = \"rod\", alpha = 0, d = 0.2, r = 0, active = false }},\n\
+         {{ name = \"piston\", joint = \"prismatic\", antecedent = \"base\", alpha = \"90 deg\", \
+         d = 0.05, theta = \"90 deg\", r = 0, active = false }},\n\
+         ]\n\
+         [[loop]]\nbetween = [\"rod\", \"piston\"]\ncut = \"revolute\"\n\
+         frames = [{{ xyz = [0.7, 0, 0] }}, {{ rpy = [0, \"90 deg\", 0] }}]\n"
+    )
+}
+
 /// The four-bar cut at the joint between crank and coupler.
 pub fn four_bar_cut_at_the_crank(gravity: &str) -> String {
     format!(
@@ -164,8 +179,9 @@ pub fn delta() -> String {
     )
 }
 
-/// A platform on six legs: universal joint, driven length, spherical joint.
-pub fn stewart() -> String {
+/// A platform on six legs: universal joint, driven length, spherical joint. One leg carries
+/// it in the tree; the loops are cut at the other legs' spherical joints.
+pub fn stewart(carrier: usize) -> String {
     let base = [-15, 15, 105, 135, 225, 255];
     let platform = [
         [0.0, 0.0, 0.0],
@@ -184,18 +200,18 @@ pub fn stewart() -> String {
              [[link]]\nname = \"v{leg}\"\nalpha = \"90 deg\"\nd = 0\nr = 0\ntheta = \"90 deg\"\nactive = false\n\
              [[link]]\nname = \"leg{leg}\"\njoint = \"prismatic\"\nalpha = \"90 deg\"\nd = 0\ntheta = 0\nr = 0.8\n"
         );
-        if leg == 1 {
+        if leg == carrier {
             continue;
         }
-        let at = platform[leg - 1];
+        let at: [f64; 3] = std::array::from_fn(|k| platform[leg - 1][k] - platform[carrier - 1][k]);
         closures += &format!(
             "[[loop]]\nbetween = [\"leg{leg}\", \"platform\"]\ncut = \"spherical\"\nat = [[0, 0, 0], {at:?}]\n"
         );
     }
-    // The platform's frame has its origin at the first leg's joint.
+    // The platform's frame has its origin at the carrying leg's joint.
     format!(
         "name = \"Stewart\"\n{links}\
-         [[link]]\nname = \"s1\"\nantecedent = \"leg1\"\nalpha = 0\nd = 0\nr = 0\nactive = false\nmassless = true\n\
+         [[link]]\nname = \"s1\"\nantecedent = \"leg{carrier}\"\nalpha = 0\nd = 0\nr = 0\nactive = false\nmassless = true\n\
          [[link]]\nname = \"s2\"\nalpha = \"90 deg\"\nd = 0\nr = 0\nactive = false\nmassless = true\n\
          [[link]]\nname = \"platform\"\nalpha = \"90 deg\"\nd = 0\nr = 0\nactive = false\n{closures}"
     )
@@ -261,4 +277,37 @@ pub fn delta_cut_elsewhere(catalogue: &str) -> String {
         &catalogue[to..catalogue.find("[[loop]]").expect("a loop")],
         &catalogue[catalogue.find("[[loop]]").expect("a loop")..second_loop]
     )
+}
+
+/// A link that floats, to carry loops.
+pub const FLOATING: &str = "{ name = \"ground\", joint = \"floating\" },\n";
+
+/// The same on six joints without bodies between.
+pub const CARRIED: &str = "\
+    { name = \"x\", joint = \"prismatic\", alpha = 0, d = 0, theta = 0, r = 0, massless = true },\n\
+    { name = \"y\", joint = \"prismatic\", alpha = \"90 deg\", d = 0, theta = \"90 deg\", r = 0, massless = true },\n\
+    { name = \"z\", joint = \"prismatic\", alpha = \"90 deg\", d = 0, theta = 0, r = 0, massless = true },\n\
+    { name = \"yaw\", alpha = 0, d = 0, r = 0, massless = true },\n\
+    { name = \"pitch\", alpha = \"90 deg\", d = 0, r = 0, massless = true },\n\
+    { name = \"ground\", alpha = \"90 deg\", d = 0, r = 0, rotor = false },\n";
+
+/// A robot whose base is instead a link named ground.
+fn on(carrier: &str, robot: &str) -> String {
+    let robot = robot.replace("link = [\n", &format!("link = [\n{carrier}"));
+    robot.replace("antecedent = \"base\"", "antecedent = \"ground\"")
+}
+
+/// [`four_bar`] on another link.
+pub fn four_bar_on(carrier: &str) -> String {
+    on(carrier, &four_bar(NORMAL))
+}
+
+/// [`parallelogram`] on another link.
+pub fn parallelogram_on(carrier: &str) -> String {
+    on(carrier, &parallelogram("near = { 1 = 1, 2 = -1, 3 = 1 }"))
+}
+
+/// [`rssr`] on another link.
+pub fn rssr_on(carrier: &str) -> String {
+    on(carrier, &rssr())
 }

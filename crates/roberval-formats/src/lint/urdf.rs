@@ -181,6 +181,7 @@ fn roundings(
         let (tag, key) = match change.field {
             Field::Xyz(_) => ("origin", "xyz"),
             Field::Rpy(_) => ("origin", "rpy"),
+            Field::Offset => ("mimic", "offset"),
             _ => ("axis", "xyz"),
         };
         let child = element.child(tag).ok()??;

@@ -4,7 +4,7 @@ use std::ops::Range;
 use roberval_mechanism::{Change, CleanPolicy, Field, NearMiss, clean};
 use toml_edit::{Document, Item, TableLike, Value};
 
-use super::{Section, link_tables, loops, parse_toml, syntax, write};
+use super::{Section, couple, link_tables, loops, parse_toml, syntax, write};
 use crate::error::FormatError;
 use crate::source::Source;
 use crate::splice::splice;
@@ -69,6 +69,9 @@ impl Places<'_, '_> {
     pub fn change(&self, change: &Change) -> Option<Range<usize>> {
         if let Some(frame) = change.loop_frame() {
             return loops::span(&self.robot, frame, change.field);
+        }
+        if let Some(number) = change.couple() {
+            return couple::offset_span(&self.robot, number);
         }
         let name = change.field.to_string();
         let (key, index) = match change.field {

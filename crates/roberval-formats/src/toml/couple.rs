@@ -1,5 +1,7 @@
 //! `[[couple]]`: joints that follow from others.
 
+use std::ops::Range;
+
 use roberval_mechanism::{
     Closure, Couple, CoupleError, Expression, JointKind, RobotDescription, Term,
 };
@@ -44,6 +46,13 @@ pub(super) fn couples(
         Ok(_) => Ok(()),
         Err(error) => Err(refused(robot.source, description, &tables, &error)),
     }
+}
+
+/// Where the offset of a couple stands in the text.
+pub(super) fn offset_span(robot: &Section, number: usize) -> Option<Range<usize>> {
+    let tables = tables(robot, "couple").ok()?;
+    let (table, _) = tables.get(number)?;
+    table.get("offset")?.as_value()?.span()
 }
 
 fn couple(section: &Section, robot: &RobotDescription) -> Result<Couple, FormatError> {

@@ -60,11 +60,13 @@ type Components = [Option<String>; 3];
 
 fn edit_joint(edits: &mut Vec<Edit>, source: &Source, joint: Node, changes: &[&Change]) {
     let (mut xyz, mut rpy, mut axis) = <(Components, Components, Components)>::default();
+    let mut offset = Components::default();
     for change in changes {
         let component = match change.field {
             Field::Xyz(k) => xyz.get_mut(k),
             Field::Rpy(k) => rpy.get_mut(k),
             Field::Axis(k) => axis.get_mut(k),
+            Field::Offset => offset.get_mut(0),
             _ => None,
         };
         if let Some(component) = component {
@@ -75,6 +77,7 @@ fn edit_joint(edits: &mut Vec<Edit>, source: &Source, joint: Node, changes: &[&C
         ("origin", "xyz", xyz),
         ("origin", "rpy", rpy),
         ("axis", "xyz", axis),
+        ("mimic", "offset", offset),
     ] {
         let first = children(joint, tag).next();
         let attribute = first.and_then(|node| node.attribute_node(key));

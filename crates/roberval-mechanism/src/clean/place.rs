@@ -4,7 +4,7 @@ use std::fmt;
 
 use roberval_scalar::Quantity;
 
-use crate::{Geometry, Origin, RobotDescription};
+use crate::{Couple, Geometry, JointKind, Origin, RobotDescription};
 
 /// Which number of a link (or of the robot, for gravity) it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -29,6 +29,8 @@ pub enum Field {
     Rpy(usize),
     /// A component of a URDF joint's axis.
     Axis(usize),
+    /// The offset of a revolute joint that follows others.
+    Offset,
 }
 
 /// What a size is measured in.
@@ -47,7 +49,7 @@ impl Field {
     #[must_use]
     pub fn unit(self) -> Unit {
         match self {
-            Self::Gamma | Self::Alpha | Self::Theta | Self::Rpy(_) => Unit::Angle,
+            Self::Gamma | Self::Alpha | Self::Theta | Self::Rpy(_) | Self::Offset => Unit::Angle,
             Self::B | Self::D | Self::R | Self::Xyz(_) => Unit::Length,
             Self::Gravity(_) | Self::Axis(_) => Unit::Direction,
         }
@@ -68,13 +70,14 @@ impl fmt::Display for Field {
             Self::Xyz(k) => write!(f, "xyz[{k}]"),
             Self::Rpy(k) => write!(f, "rpy[{k}]"),
             Self::Axis(k) => write!(f, "axis[{k}]"),
+            Self::Offset => f.write_str("offset"),
         }
     }
 }
 
 /// Where a number stands: the link's index (0 for gravity), the origin's index in the
 /// link's chain (0 where there is none), the field; or the loop's index and which of its
-/// two frames.
+/// two frames; or the couple's index, for an offset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Place {
     pub link: usize,
@@ -137,6 +140,7 @@ pub(super) fn literals(description: &RobotDescription) -> Vec<Literal<'_>> {
             }
         }
     }
+    all.extend(offsets(description));
     for (number, closure) in description.loops.iter().enumerate() {
         for (side, frame) in closure.frames.iter().enumerate() {
             let place = Place {
@@ -149,6 +153,28 @@ pub(super) fn literals(description: &RobotDescription) -> Vec<Literal<'_>> {
         }
     }
     all
+}
+
+/// The offsets of revolute joints that follow others.
+fn offsets(description: &RobotDescription) -> impl Iterator<Item = Literal<'_>> {
+    let turns = |couple: &&Couple| {
+        let mut links = description.links.iter();
+        let joint = links.find(|l| l.name == couple.joint).map(|l| l.joint);
+        couple.expression.is_none() && joint == Some(JointKind::Revolute)
+    };
+    let couples = description.couples.iter().enumerate();
+    let couples = couples.filter(move |(_, couple)| turns(couple));
+    couples.map(|(number, couple)| Literal {
+        place: Place {
+            link: number,
+            origin: 0,
+            field: Field::Offset,
+            in_loop: false,
+        },
+        quantity: &couple.offset,
+        norm: 1.0,
+        origin: None,
+    })
 }
 
 fn placement<'d>(all: &mut Vec<Literal<'d>>, place: Place, origin: &'d Origin) {
@@ -199,6 +225,12 @@ fn length(numbers: &[Quantity; 3]) -> f64 {
 pub(super) fn at(description: &mut RobotDescription, place: Place) -> Option<&mut Quantity> {
     if let Field::Gravity(k) = place.field {
         return description.gravity.get_mut(k);
+    }
+    if place.field == Field::Offset {
+        return description
+            .couples
+            .get_mut(place.link)
+            .map(|c| &mut c.offset);
     }
     if place.in_loop {
         let closure = description.loops.get_mut(place.link)?;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Vector3};
 
 use super::{Assembly, LinkFrame, Linkage, LoopFrames, Pose, ResolvedLoop, couple_laws};
-use crate::{Closure, Link, Mechanism, MechanismError, Origin, VariableLaw};
+use crate::{Closure, JointKind, Link, Mechanism, MechanismError, Origin, VariableLaw};
 
 impl Mechanism {
     /// Closes the loops of the description: finds the branch, the mobility and the
@@ -15,21 +15,27 @@ impl Mechanism {
         antecedents: &[Option<usize>],
     ) -> Result<(), MechanismError> {
         let description = &self.description;
+        let first = self.base_variables();
         let resolved = ResolvedLoop::all(description, antecedents)?;
+        let on_ground = |l: &ResolvedLoop| l.links.contains(&None);
+        if let Some(number) = resolved.iter().position(on_ground).filter(|_| first > 0) {
+            let robot = self.name.clone();
+            return Err(MechanismError::FloatingLoop { robot, number });
+        }
         let loops = self.resolved_frames(&resolved, |origin| pose(origin.placement()));
         let links = self.links.iter().map(link_frame).collect();
         let couples =
-            couple_laws(self.closure.as_ref(), &description.constants).unwrap_or_default();
+            couple_laws(self.closure.as_ref(), first, &description.constants).unwrap_or_default();
         let unit = self.unit_of_length(&loops);
         let linkage = Linkage::new(links, loops, couples, unit);
         let mut near = Vec::new();
         for (found, written) in resolved.iter().zip(&description.loops) {
             for (&link, (_, value)) in found.near.iter().zip(&written.near) {
                 let variable = self.moving().position(|l| l.in_file == link);
-                near.extend(variable.map(|k| (k, value.value)));
+                near.extend(variable.map(|k| (k - first, value.value)));
             }
         }
-        let active: Vec<bool> = self.moving().map(|l| l.active).collect();
+        let active: Vec<bool> = self.moving().skip(first).map(|l| l.active).collect();
         let (mut order, passive): (Vec<usize>, Vec<usize>) =
             (0..active.len()).partition(|&k| active[k]);
         order.extend(passive);
@@ -39,10 +45,15 @@ impl Mechanism {
                 error,
             })?;
         let place = |k: usize| assembly.independent.binary_search(&k);
-        let law = |k: usize| place(k).map_or(VariableLaw::Implicit, VariableLaw::Independent);
+        let law = |k: usize| match place(k) {
+            Ok(place) => VariableLaw::Independent(first + place),
+            Err(_) => VariableLaw::Implicit,
+        };
+        let base = (0..first).map(VariableLaw::Independent);
+        let joints = assembly.independent.iter().map(|k| first + k);
         self.closure = Some(Closure {
-            laws: (0..active.len()).map(law).collect(),
-            independent: assembly.independent.clone(),
+            laws: base.chain((0..active.len()).map(law)).collect(),
+            independent: (0..first).chain(joints).collect(),
             formulas: Vec::new(),
         });
         self.assembly = Some(Arc::new(assembly));
@@ -105,10 +116,18 @@ fn pose((rotation, origin): (Matrix3<f64>, Vector3<f64>)) -> Pose<f64> {
     }
 }
 
+/// A base that floats is a place like any other for the loops on it.
+pub fn in_linkage(joint: JointKind) -> JointKind {
+    match joint {
+        JointKind::Floating => JointKind::Fixed,
+        other => other,
+    }
+}
+
 fn link_frame(link: &Link) -> LinkFrame<f64> {
     LinkFrame {
         antecedent: link.antecedent,
-        joint: link.joint,
+        joint: in_linkage(link.joint),
         pose: pose((link.rotation, link.origin)),
         axis: link.axis.into(),
     }

@@ -1,6 +1,6 @@
 //! Couples as equations beside those of loops.
 
-use roberval_scalar::{Quantity, Real};
+use roberval_scalar::{Quantity, Real, Scalar};
 
 use crate::{Closure, VariableLaw};
 
@@ -13,9 +13,11 @@ pub struct CoupleLaw<T> {
     offset: T,
 }
 
-/// The couples of a closure as equations (rad and m); `None` where a number has no value.
+/// The couples of a closure as equations (rad and m) of the variables from `first` on; `None`
+/// where a number has no value.
 pub fn couple_laws<T: Real>(
     closure: Option<&Closure>,
+    first: usize,
     constants: &[(String, Quantity)],
 ) -> Option<Vec<CoupleLaw<T>>> {
     let Some(closure) = closure else {
@@ -29,9 +31,10 @@ pub fn couple_laws<T: Real>(
     })
     .map(|(variable, law)| {
         let value = |x: &Quantity| T::of_quantity(x, constants);
-        let term = |(place, x): &(usize, Quantity)| Some((closure.independent[*place], value(x)?));
+        let term =
+            |(place, x): &(usize, Quantity)| Some((closure.independent[*place] - first, value(x)?));
         Some(CoupleLaw {
-            variable,
+            variable: variable - first,
             terms: law.terms.iter().map(term).collect::<Option<_>>()?,
             offset: value(&law.offset)?,
         })
@@ -50,7 +53,9 @@ impl<T: Real> CoupleLaw<T> {
             offset: self.offset / own,
         }
     }
+}
 
+impl<T: Scalar> CoupleLaw<T> {
     pub(super) fn has(&self, variable: usize) -> bool {
         self.variable == variable || self.terms.iter().any(|(k, _)| *k == variable)
     }
@@ -63,9 +68,9 @@ impl<T: Real> CoupleLaw<T> {
         q[self.variable] - sum
     }
 
-    pub(super) fn derivative(&self, dof: usize) -> Vec<T> {
-        let mut row = vec![T::from(0.0); dof];
-        row[self.variable] = T::from(1.0);
+    pub(super) fn derivative(&self, dof: usize, [zero, one]: [T; 2]) -> Vec<T> {
+        let mut row = vec![zero; dof];
+        row[self.variable] = one;
         self.terms.iter().for_each(|&(k, m)| row[k] = row[k] - m);
         row
     }

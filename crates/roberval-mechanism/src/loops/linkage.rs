@@ -28,7 +28,8 @@ impl<T: Scalar> Pose<T> {
     }
 
     /// The axis x, y, z = 0, 1, 2.
-    fn axis(&self, k: usize) -> Vec3<T> {
+    #[must_use]
+    pub fn axis(&self, k: usize) -> Vec3<T> {
         self.rotation.map(|row| row[k])
     }
 }
@@ -66,6 +67,8 @@ pub struct Linkage<T> {
     loops: Vec<LoopFrames<T>>,
     couples: Vec<CoupleLaw<T>>,
     unit: f64,
+    /// 0 and 1.
+    numbers: [T; 2],
     /// The link of each joint variable.
     joints: Vec<usize>,
     /// For each loop, the variables that move one side against the other, and whether
@@ -109,6 +112,43 @@ impl<T: Real> Linkage<T> {
         loops
             .iter_mut()
             .for_each(|l| l.poses.iter_mut().for_each(shrink));
+        let one_dof = |l: &&LinkFrame<T>| l.joint != JointKind::Fixed;
+        let lengths: Vec<bool> = links
+            .iter()
+            .filter(one_dof)
+            .map(|l| l.joint == JointKind::Prismatic)
+            .collect();
+        let in_units = |k: usize| T::from(if lengths[k] { unit } else { 1.0 });
+        let couples = couples.into_iter().map(|c| c.in_units(in_units)).collect();
+        let numbers = [T::from(0.0), T::from(1.0)];
+        Self {
+            unit,
+            ..Self::of_numbers(links, loops, couples, numbers)
+        }
+    }
+
+    /// The linkage at these joint variables.
+    #[must_use]
+    pub fn at(&self, q_all: &[T]) -> Configuration<'_, T> {
+        self.placed(q_all, |variable, link| {
+            let (cos, sin) = match link.joint {
+                JointKind::Prismatic => (T::from(1.0), T::from(0.0)),
+                _ => q_all[variable].cos_sin(),
+            };
+            link.moved(q_all[variable], [cos, sin, T::from(1.0) - cos])
+        })
+    }
+}
+
+impl<T: Scalar> Linkage<T> {
+    /// A linkage in numbers whose 0 and 1 are given, its lengths as they are.
+    #[must_use]
+    pub fn of_numbers(
+        links: Vec<LinkFrame<T>>,
+        loops: Vec<LoopFrames<T>>,
+        couples: Vec<CoupleLaw<T>>,
+        numbers: [T; 2],
+    ) -> Self {
         let moves = |l: &usize| links[*l].joint != JointKind::Fixed;
         let joints: Vec<usize> = (0..links.len()).filter(moves).collect();
         let path = |link: Option<usize>| std::iter::successors(link, |l| links[*l].antecedent);
@@ -121,14 +161,12 @@ impl<T: Real> Linkage<T> {
             apart.map(|(k, l)| (k, side[*l] > 0)).collect()
         };
         let between = loops.iter().map(between).collect();
-        let length = |k: usize| links[joints[k]].joint == JointKind::Prismatic;
-        let in_units = |k: usize| T::from(if length(k) { unit } else { 1.0 });
-        let couples = couples.into_iter().map(|c| c.in_units(in_units)).collect();
         Self {
             links,
             loops,
             couples,
-            unit,
+            unit: 1.0,
+            numbers,
             joints,
             between,
         }
@@ -166,19 +204,36 @@ impl<T: Real> Linkage<T> {
             || self.couples.iter().any(|c| c.has(variable))
     }
 
-    /// The linkage at these joint variables.
+    /// The variables that move one side of a loop against the other, and whether they move
+    /// B.
     #[must_use]
-    pub fn at(&self, q_all: &[T]) -> Configuration<'_, T> {
+    pub fn between(&self, number: usize) -> &[(usize, bool)] {
+        &self.between[number]
+    }
+
+    /// The constants of the loops.
+    #[must_use]
+    pub fn loops(&self) -> &[LoopFrames<T>] {
+        &self.loops
+    }
+
+    /// The linkage with each moving link placed on its antecedent by its variable.
+    pub fn placed(
+        &self,
+        q: &[T],
+        mut moved: impl FnMut(usize, &LinkFrame<T>) -> Pose<T>,
+    ) -> Configuration<'_, T> {
         let mut poses: Vec<Pose<T>> = Vec::with_capacity(self.links.len());
-        let mut q = q_all.iter();
+        let mut variable = 0;
         for link in &self.links {
-            let moved = match link.joint {
-                JointKind::Fixed => link.pose,
-                joint => link.moved(joint, *q.next().expect("a variable a moving joint")),
-            };
+            let mut pose = link.pose;
+            if link.joint != JointKind::Fixed {
+                pose = moved(variable, link);
+                variable += 1;
+            }
             poses.push(match link.antecedent {
-                None => moved,
-                Some(a) => poses[a].then(&moved),
+                None => pose,
+                Some(a) => poses[a].then(&pose),
             });
         }
         let frame = |link: Option<usize>, pose: &Pose<T>| match link {
@@ -188,22 +243,24 @@ impl<T: Real> Linkage<T> {
         let frames = |l: &LoopFrames<T>| [0, 1].map(|s| frame(l.links[s], &l.poses[s]));
         Configuration {
             linkage: self,
-            q: q_all.to_vec(),
+            q: q.to_vec(),
             frames: self.loops.iter().map(frames).collect(),
             poses,
         }
     }
 }
 
-impl<T: Real> LinkFrame<T> {
-    fn moved(&self, joint: JointKind, q: T) -> Pose<T> {
+impl<T: Scalar> LinkFrame<T> {
+    /// Its place on the antecedent: slid by q, or turned by an angle of this cosine, sine
+    /// and versine (divided by the length of the axis and its square).
+    #[must_use]
+    pub fn moved(&self, q: T, [cos, sin, versine]: [T; 3]) -> Pose<T> {
         let Pose { rotation, origin } = self.pose;
-        if joint == JointKind::Prismatic {
+        if self.joint == JointKind::Prismatic {
             let origin = add(origin, apply(&rotation, scale(self.axis, q)));
             return Pose { rotation, origin };
         }
-        let (cos, sin) = q.cos_sin();
-        let turn = rotation_about(self.axis, cos, sin, T::from(1.0) - cos);
+        let turn = rotation_about(self.axis, cos, sin, versine);
         Pose {
             rotation: product(&rotation, &turn),
             origin,
@@ -212,20 +269,6 @@ impl<T: Real> LinkFrame<T> {
 }
 
 impl<T: Real> Configuration<'_, T> {
-    /// What each equation is off by, loop after loop.
-    #[must_use]
-    pub fn residual(&self) -> Vec<T> {
-        let each = self.linkage.loops.iter().zip(&self.frames);
-        each.flat_map(|(l, [a, b])| {
-            l.cut.conditions().iter().map(|condition| match *condition {
-                Condition::Point(u) => dot(a.axis(u), sub(b.origin, a.origin)),
-                Condition::Axes(u, w) => dot(a.axis(u), b.axis(w)),
-            })
-        })
-        .chain(self.linkage.couples.iter().map(|c| c.residual(&self.q)))
-        .collect()
-    }
-
     /// The largest residual, m or rad.
     #[must_use]
     pub fn gap(&self) -> f64 {
@@ -248,23 +291,40 @@ impl<T: Real> Configuration<'_, T> {
         let same = |a: &Pose<T>, b: &Pose<T>, k| dot(a.axis(k), b.axis(k)).to_f64() > 0.0;
         each.all(|(l, [a, b])| l.cut.aligned().iter().all(|&k| same(a, b, k)))
     }
+}
+
+impl<T: Scalar> Configuration<'_, T> {
+    /// What each equation is off by, loop after loop.
+    #[must_use]
+    pub fn residual(&self) -> Vec<T> {
+        let each = self.linkage.loops.iter().zip(&self.frames);
+        each.flat_map(|(l, [a, b])| {
+            l.cut.conditions().iter().map(|condition| match *condition {
+                Condition::Point(u) => dot(a.axis(u), sub(b.origin, a.origin)),
+                Condition::Axes(u, w) => dot(a.axis(u), b.axis(w)),
+            })
+        })
+        .chain(self.linkage.couples.iter().map(|c| c.residual(&self.q)))
+        .collect()
+    }
 
     /// J: the derivatives of the residual, a row of n numbers an equation. A joint turns B
     /// against A (or A against B) about its axis e through the point p.
     #[must_use]
     pub fn jacobian(&self) -> Vec<Vec<T>> {
         let linkage = self.linkage;
+        let [zero, one] = linkage.numbers;
         let mut rows = Vec::with_capacity(linkage.equations());
         for ((l, between), [a, b]) in linkage.loops.iter().zip(&linkage.between).zip(&self.frames) {
             for condition in l.cut.conditions() {
-                let mut row = vec![T::from(0.0); linkage.dof()];
+                let mut row = vec![zero; linkage.dof()];
                 for &(k, moves_b) in between {
                     let (e, p) = self.joint(k);
                     let arm = sub(b.origin, p);
                     let rate = match (*condition, linkage.is_length(k)) {
                         (Condition::Point(u), true) => dot(a.axis(u), e),
                         (Condition::Point(u), false) => dot(a.axis(u), cross(e, arm)),
-                        (Condition::Axes(..), true) => T::from(0.0),
+                        (Condition::Axes(..), true) => zero,
                         (Condition::Axes(u, w), false) => dot(a.axis(u), cross(e, b.axis(w))),
                     };
                     row[k] = if moves_b { rate } else { -rate };
@@ -272,12 +332,19 @@ impl<T: Real> Configuration<'_, T> {
                 rows.push(row);
             }
         }
-        rows.extend(linkage.couples.iter().map(|c| c.derivative(linkage.dof())));
+        let dof = linkage.dof();
+        rows.extend(
+            linkage
+                .couples
+                .iter()
+                .map(|c| c.derivative(dof, [zero, one])),
+        );
         rows
     }
 
     /// The axis of a joint and a point on it.
-    fn joint(&self, variable: usize) -> (Vec3<T>, Vec3<T>) {
+    #[must_use]
+    pub fn joint(&self, variable: usize) -> (Vec3<T>, Vec3<T>) {
         let link = self.linkage.joints[variable];
         let pose = &self.poses[link];
         (
@@ -286,14 +353,21 @@ impl<T: Real> Configuration<'_, T> {
         )
     }
 
+    /// The two frames of a loop.
+    #[must_use]
+    pub fn frames(&self, number: usize) -> &[Pose<T>; 2] {
+        &self.frames[number]
+    }
+
     /// Jdot qd: the second derivatives of the residual while no joint accelerates.
     #[must_use]
     pub fn bias(&self, qd: &[T]) -> Vec<T> {
+        let zero = self.linkage.numbers[0];
         let rates = self.rates(qd);
         let each = self.linkage.loops.iter().zip(&self.frames);
         each.flat_map(|(l, [a, b])| {
             let of = |side: usize, pose: &Pose<T>| match l.links[side] {
-                None => Rates::still(),
+                None => Rates::still(zero),
                 Some(link) => rates[link].at(sub(pose.origin, self.poses[link].origin)),
             };
             let (ra, rb) = (of(0, a), of(1, b));
@@ -308,18 +382,19 @@ impl<T: Real> Configuration<'_, T> {
                     Condition::Axes(u, w) => ra.product_bias(a.axis(u), rb.of_axis(b.axis(w))),
                 })
         })
-        .chain(self.linkage.couples.iter().map(|_| T::from(0.0)))
+        .chain(self.linkage.couples.iter().map(|_| zero))
         .collect()
     }
 
     /// The rates of all links' origins.
     fn rates(&self, qd: &[T]) -> Vec<Rates<T>> {
         let links = &self.linkage.links;
+        let zero = self.linkage.numbers[0];
         let mut rates: Vec<Rates<T>> = Vec::with_capacity(links.len());
         let mut variable = 0;
         for (link, pose) in links.iter().zip(&self.poses) {
             let (before, base) = match link.antecedent {
-                None => (Rates::still(), [T::from(0.0); 3]),
+                None => (Rates::still(zero), [zero; 3]),
                 Some(a) => (rates[a], self.poses[a].origin),
             };
             let mut now = before.at(sub(pose.origin, base));
@@ -334,9 +409,9 @@ impl<T: Real> Configuration<'_, T> {
     }
 }
 
-impl<T: Real> Rates<T> {
-    fn still() -> Self {
-        let zero = [T::from(0.0); 3];
+impl<T: Scalar> Rates<T> {
+    fn still(zero: T) -> Self {
+        let zero = [zero; 3];
         Self {
             w: zero,
             dw: zero,

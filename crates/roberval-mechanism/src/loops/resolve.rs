@@ -54,8 +54,8 @@ pub enum LoopError {
         /// The name that no joint has.
         name: String,
     },
-    /// `near` names a fixed joint.
-    #[error("loop {}: near names the joint {name:?}, which is fixed", number + 1)]
+    /// `near` names a joint that is fixed or floats.
+    #[error("loop {}: near names the joint {name:?}, which is fixed or floats", number + 1)]
     FixedJoint {
         /// The loop.
         number: usize,
@@ -156,7 +156,7 @@ impl ResolvedLoop {
             let name = name.clone();
             match joint {
                 None => Err(LoopError::UnknownJoint { number, name }),
-                Some(j) if robot.links[j].joint == JointKind::Fixed => {
+                Some(j) if !robot.links[j].joint.has_axis() => {
                     Err(LoopError::FixedJoint { number, name })
                 }
                 Some(j) => Ok(j),

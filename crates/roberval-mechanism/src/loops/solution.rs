@@ -72,8 +72,8 @@ impl<T: Real> Linkage<T> {
             let at = self.at(&q);
             let residual = at.residual();
             let size = largest(&residual);
-            if size <= closed::<T>() && size >= 0.5 * last {
-                return at.is_aligned().then_some(q); // rounding noise is left
+            if size.max(last) <= closed::<T>() {
+                return at.is_aligned().then_some(q); // a step beyond: rounding noise is left
             }
             let qr = PivotedQr::of(at.jacobian(), self.dof());
             if qr.rank(0.0) < rank {
@@ -96,7 +96,7 @@ impl<T: Real> Linkage<T> {
             let at = self.at(&q);
             let residual = at.residual();
             let size = largest(&residual);
-            if size <= closed::<T>() && size >= 0.5 * last {
+            if size.max(last) <= closed::<T>() {
                 return at.is_aligned().then_some(q);
             }
             let qr = columns_qr(&at.jacobian(), dependent);

@@ -78,7 +78,7 @@ impl AngleOrder {
     }
 }
 
-/// The constant angles: those of the geometry, and those at which revolute joints stand
+/// The constant angles: those of the geometry, loops included, and those at which revolute joints stand
 /// where the ones that they follow stand at 0.
 pub(crate) fn angles(robot: &Mechanism) -> impl Iterator<Item = &Quantity> {
     let links = robot
@@ -96,7 +96,11 @@ pub(crate) fn angles(robot: &Mechanism) -> impl Iterator<Item = &Quantity> {
             VariableLaw::Affine(law) if link.joint == JointKind::Revolute => Some(&law.offset),
             _ => None,
         });
-    links.chain(offsets)
+    let loops = robot.description.loops.iter();
+    let frames = loops.flat_map(|closure| &closure.frames);
+    links
+        .chain(offsets)
+        .chain(frames.flat_map(|frame| &frame.rpy))
 }
 
 /// A point of the circle from `t = tan(angle/2)`; `None` where `1 + t^2 = 0`.

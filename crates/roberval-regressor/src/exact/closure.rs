@@ -58,9 +58,15 @@ struct Turns<'m> {
 }
 
 /// Which joint variables follow others or are followed: their joints need an axis of
-/// length 1.
+/// length 1. So do those of loops.
 #[must_use]
 pub fn coupled(mechanism: &Mechanism) -> Vec<bool> {
+    if let Some(assembly) = &mechanism.assembly {
+        let base = vec![false; mechanism.base_variables()];
+        let joints = 0..assembly.linkage.dof();
+        let constrained = joints.map(|k| assembly.linkage.is_constrained(k));
+        return base.into_iter().chain(constrained).collect();
+    }
     let Some(closure) = &mechanism.closure else {
         return vec![false; mechanism.dof()];
     };

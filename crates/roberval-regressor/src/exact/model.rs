@@ -7,6 +7,7 @@ use super::angles::{AngleOrder, Angles, compose, power};
 use super::closure::ExactClosure;
 use super::geometry::{Numbers, Rotation, RowsWorkspace, tree};
 use super::lengths::Lengths;
+use super::loops::{ExactLoops, NotClosed};
 use super::named::times;
 use crate::base::{attitude, squared_length};
 use crate::{BaseState, Body, Constants, JointMotion, Model, Tree};
@@ -23,6 +24,9 @@ pub enum NotInField {
     /// A denominator of the description is zero in the field.
     #[error("a denominator of the description is zero in this prime field")]
     Inverse,
+    /// Loops whose closed configurations are not easy to find in any prime field.
+    #[error("{0}, so that prime fields do not decide them")]
+    Loops(NotClosed),
 }
 
 /// A constant's rotation in a prime field.
@@ -40,6 +44,7 @@ pub struct ExactModel<'m> {
     modulus: &'m Modulus,
     tree: Tree<Fp<'m>>,
     closure: Option<ExactClosure<'m>>,
+    loops: Option<Result<ExactLoops<'m>, NotClosed>>,
     space: ParameterSpace,
     generic: Vec<String>,
     algebraic: bool,
@@ -81,30 +86,38 @@ impl<'m> ExactModel<'m> {
         seed: u64,
         turns: &[Turn<'m>],
     ) -> Result<Self, NotInField> {
-        let description = &mechanism.description;
         let mut random = SplitMix64::new(seed);
         let pi = modulus.random(&mut random);
-        let mut numbers = FieldNumbers {
-            angles: Angles::new(modulus, mechanism, order, conjugate, &mut random),
-            lengths: Lengths {
-                modulus,
-                constants: &description.constants,
-                pi,
-                roots: Cell::new(false),
-            },
-            half: modulus.integer(2).inverse().ok_or(NotInField::Inverse)?,
-            lengths_of_axes: Vec::new(),
-            turns,
-        };
+        let angles = Angles::new(modulus, mechanism, order, conjugate, &mut random);
+        let mut numbers = FieldNumbers::new(mechanism, angles, pi, turns)?;
         let tree = tree(mechanism, &mut numbers)?;
         let closure = ExactClosure::of(mechanism, &mut numbers)?;
         let mut generic = numbers.angles.units.generic();
-        generic.extend(numbers.lengths_of_axes);
+        generic.extend(numbers.lengths_of_axes.clone());
         generic.extend(closure.iter().flat_map(|c| c.generic_texts.clone()));
+        let loops = match mechanism.assembly {
+            None => None,
+            Some(_) => {
+                let joints = variable_bodies(&tree);
+                let first = mechanism.base_variables();
+                let free = |k: usize, random: &mut SplitMix64| {
+                    position(joints[first + k], tree.constants, random)
+                };
+                let mut random = SplitMix64::new(!seed);
+                Some(ExactLoops::of(
+                    mechanism,
+                    &tree,
+                    &mut numbers,
+                    &mut random,
+                    free,
+                )?)
+            }
+        };
         Ok(Self {
             modulus,
             tree,
             closure,
+            loops,
             space: mechanism.parameters(),
             roots: numbers.angles.roots(),
             has_roots: numbers.lengths.roots.get(),
@@ -150,6 +163,17 @@ impl<'m> ExactModel<'m> {
         self.roots[1]
     }
 
+    /// Whether prime fields hold the robot's constraints: its loops, if it has some.
+    ///
+    /// # Errors
+    /// [`NotClosed`] with the reason; the model is then that of the opened tree.
+    pub fn holds_constraints(&self) -> Result<(), NotClosed> {
+        match &self.loops {
+            Some(Err(reason)) => Err(*reason),
+            _ => Ok(()),
+        }
+    }
+
     /// Whether numbers of the description have square roots that are no fractions.
     #[must_use]
     pub fn has_roots(&self) -> bool {
@@ -164,6 +188,9 @@ impl<'m> ExactModel<'m> {
     /// attitude enters once, with gravity, with degree 2 in its quaternion.
     #[must_use]
     pub fn degree(&self) -> u64 {
+        if let Some(Ok(loops)) = &self.loops {
+            return loops.degree(self.steps);
+        }
         let joints = self
             .closure
             .as_ref()
@@ -187,16 +214,27 @@ impl<'m> ExactModel<'m> {
         if self.tree.is_floating() {
             work.move_base(&self.tree, &self.base(rest, random));
         }
+        if let Some(Ok(loops)) = &self.loops {
+            let joints = variable_bodies(&self.tree);
+            let joints = &joints[loops.first_joint()..];
+            let constants = self.tree.constants;
+            let free = |k: usize, random: &mut SplitMix64| position(joints[k], constants, random);
+            let (motions, transmission) = loops.motions(rest, random, free);
+            let motion = |body: &Body<Fp<'m>>| match body.variable {
+                None => still(constants),
+                Some(k) => motions[k],
+            };
+            let transmission = Some(&transmission);
+            work.fill(&self.tree, &self.space, model, motion, transmission, rows);
+            return;
+        }
         let Some(closure) = &self.closure else {
             let motion = |body: &Body<Fp<'m>>| self.free_motion(body, rest, random);
             work.fill(&self.tree, &self.space, model, motion, None, rows);
             return;
         };
         let constants = self.tree.constants;
-        let mut joints: Vec<&Body<Fp<'m>>> = Vec::with_capacity(self.tree.dof);
-        for body in &self.tree.bodies {
-            joints.extend(std::iter::repeat_n(body, body.joint.dof()));
-        }
+        let joints = variable_bodies(&self.tree);
         let motions = closure.motions(constants, rest, random, |variable, qd, qdd, random| {
             self.motion(joints[variable], qd, qdd, random)
         });
@@ -256,8 +294,7 @@ impl<'m> ExactModel<'m> {
         }
     }
 
-    /// A random position: a rational point of the circle for a revolute joint, in units of
-    /// its axis vector a: `t = tan(q/2)/|a|`.
+    /// A random position with this velocity and acceleration.
     fn motion(
         &self,
         body: &Body<Fp<'m>>,
@@ -265,33 +302,48 @@ impl<'m> ExactModel<'m> {
         qdd: Fp<'m>,
         random: &mut SplitMix64,
     ) -> JointMotion<Fp<'m>> {
-        let Constants { zero, one, .. } = self.tree.constants;
-        let mut draw = || self.modulus.random(random);
-        let (mut cos, mut sin, mut versine, mut q) = (one, zero, zero, zero);
-        match body.joint {
-            JointKind::Revolute => loop {
-                let t = draw();
-                let t2 = t * t * body.axis_squared;
-                let Some(inverse) = (one + t2).inverse() else {
-                    continue;
-                };
-                cos = (one - t2) * inverse;
-                sin = (t + t) * inverse;
-                versine = sin * t;
-                break;
-            },
-            JointKind::Prismatic => q = draw(),
-            JointKind::Fixed | JointKind::Floating => {}
-        }
         JointMotion {
-            cos,
-            sin,
-            versine,
-            q,
             qd,
             qdd,
+            ..position(body, self.tree.constants, random)
         }
     }
+}
+
+/// A random position: a rational point of the circle for a revolute joint, in units of
+/// its axis vector a: `t = tan(q/2)/|a|`.
+pub(super) fn position<'m>(
+    body: &Body<Fp<'m>>,
+    constants: Constants<Fp<'m>>,
+    random: &mut SplitMix64,
+) -> JointMotion<Fp<'m>> {
+    let one = constants.one;
+    let mut draw = || one.modulus().random(random);
+    let mut position = still(constants);
+    match body.joint {
+        JointKind::Revolute => loop {
+            let t = draw();
+            let t2 = t * t * body.axis_squared;
+            let Some(inverse) = (one + t2).inverse() else {
+                continue;
+            };
+            position.cos = (one - t2) * inverse;
+            position.sin = (t + t) * inverse;
+            position.versine = position.sin * t;
+            break;
+        },
+        JointKind::Prismatic => position.q = draw(),
+        JointKind::Fixed | JointKind::Floating => {}
+    }
+    position
+}
+
+/// The body of each variable.
+pub(super) fn variable_bodies<T>(tree: &Tree<T>) -> Vec<&Body<T>> {
+    let bodies = tree.bodies.iter();
+    bodies
+        .flat_map(|body| std::iter::repeat_n(body, body.joint.dof()))
+        .collect()
 }
 
 /// The motion of a fixed joint.
@@ -317,6 +369,30 @@ pub(super) struct FieldNumbers<'m, 'd> {
     half: Fp<'m>,
     /// Lengths of axes whose root could be either.
     lengths_of_axes: Vec<String>,
+}
+
+impl<'m, 'd> FieldNumbers<'m, 'd> {
+    /// The numbers of a mechanism's description; `pi` stands for pi.
+    pub fn new(
+        mechanism: &'d Mechanism,
+        angles: Angles<'m, 'd>,
+        pi: Fp<'m>,
+        turns: &'d [Turn<'m>],
+    ) -> Result<Self, NotInField> {
+        let modulus = pi.modulus();
+        Ok(Self {
+            angles,
+            lengths: Lengths {
+                modulus,
+                constants: &mechanism.description.constants,
+                pi,
+                roots: Cell::new(false),
+            },
+            half: modulus.integer(2).inverse().ok_or(NotInField::Inverse)?,
+            lengths_of_axes: Vec::new(),
+            turns,
+        })
+    }
 }
 
 impl<'m> Numbers for FieldNumbers<'m, '_> {

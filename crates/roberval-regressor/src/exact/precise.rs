@@ -37,7 +37,8 @@ impl<T: Real> PreciseModel<T> {
                 tree.bodies.iter_mut().for_each(normalise);
                 let place = |origin: &Origin| pose(origin, &mut numbers);
                 let linkage = precise_linkage(mechanism, assembly, &tree, place)?;
-                let loops = LoopExpansion::new(assembly.clone(), linkage);
+                let loops =
+                    LoopExpansion::new(assembly.clone(), linkage, mechanism.base_variables());
                 Some(Expansion::of_loops(loops))
             }
         };

@@ -92,6 +92,7 @@ fn certainty(answer: &BaseParameters) -> Vec<String> {
         },
     ]
     .into_iter()
+    .chain(loops::form(answer))
     .chain(cleaning(answer))
     .collect()
 }

@@ -129,6 +129,7 @@ fn structure(answer: &BaseParameters) -> Value {
     json!(structure.map(|s| json!({
         "rank": s.rank,
         "nullspace_rank": s.nullspace_rank,
+        "loops": loops::form_json(answer),
         "opened": s.opened.as_ref().map(|o| json!({
             "rank": o.rank,
             "removed": labels(&o.removed),

@@ -43,6 +43,7 @@ fn decided(answer: &BaseParameters) -> Vec<String> {
             )
         }));
         lines.extend(couples::lines(&answer.mechanism));
+        lines.extend(loops::form(answer).map(|line| format!("{line}.")));
         lines.extend(couples::removed(answer));
     }
     if let Some(precise) = loops::decided(answer) {
