@@ -17,7 +17,9 @@ fn reduce(criterion: &mut Criterion) {
         offset: false,
     };
     for (name, robot) in robots() {
-        let base = base_parameters(&robot, &Options::default()).expect("a rank").base;
+        let base = base_parameters(&robot, &Options::default())
+            .expect("a rank")
+            .base;
         let samples = Samples::draw(&robot, BATCH, 1);
         let tau = vec![1.0; BATCH * robot.dof()];
         for (what, friction) in [("base", Friction::default()), ("base, friction", speeds)] {

@@ -35,7 +35,9 @@ fn packed(criterion: &mut Criterion) {
         for width in Width::ALL.into_iter().filter(|width| width.is_available()) {
             let regressor = Regressor::new(&robot).with_width(width);
             for model in [Model::D, Model::H] {
-                let size = regressor.packed_layout(model).len(CACHED, regressor.lanes());
+                let size = regressor
+                    .packed_layout(model)
+                    .len(CACHED, regressor.lanes());
                 let mut out = vec![0.0; size];
                 let id = BenchmarkId::new(format!("{} {width:?}", model.name()), name);
                 group.bench_function(id, |b| {

@@ -114,6 +114,8 @@ impl<V: Lanes> Sink<V> for Packed<'_> {
 pub(crate) struct Export {
     /// For each number of a sample's rows, its slot; for zeros the one after the last.
     sources: Vec<u32>,
+    /// Where slots and numbers follow each other: slot, number and how many.
+    runs: Vec<[usize; 3]>,
     /// Pieces of `sources` that have a slot, as multiples of 8 numbers; the rest is zero.
     filled: Vec<Range<usize>>,
     /// Number of slots.
@@ -150,6 +152,7 @@ impl Export {
             }
         }
         Self {
+            runs: runs(&sources, slots),
             sources,
             filled,
             slots,
@@ -166,11 +169,26 @@ impl Export {
         self.slots
     }
 
+    /// Writes a single sample.
+    #[inline(always)]
+    fn write_one<V: Lanes>(&self, stage: &[V], out: &mut [f64]) {
+        out.fill(0.0);
+        for &[slot, at, count] in &self.runs {
+            let (from, to) = (&stage[slot..slot + count], &mut out[at..at + count]);
+            for (x, to) in from.iter().zip(to.chunks_exact_mut(1)) {
+                x.store(to);
+            }
+        }
+    }
+
     /// Writes the samples of a tile, one after the other. `stage` has a zero after its
     /// slots.
     #[inline(always)]
     pub(crate) fn write<V: Lanes>(&self, stage: &[V], out: &mut [f64]) {
         let length = self.len();
+        if V::COUNT == 1 {
+            return self.write_one(stage, out);
+        }
         let mut done = 0;
         for range in &self.filled {
             zero::<V>(out, length, done..range.start);
@@ -190,6 +208,22 @@ impl Export {
         }
         zero::<V>(out, length, done..length);
     }
+}
+
+/// Pieces of the sources in which slots follow each other.
+fn runs(sources: &[u32], slots: usize) -> Vec<[usize; 3]> {
+    let mut runs: Vec<[usize; 3]> = Vec::new();
+    for (at, &slot) in sources.iter().enumerate() {
+        let slot = slot as usize;
+        match runs.last_mut() {
+            _ if slot == slots => {}
+            Some([first, from, count]) if (*first + *count, *from + *count) == (slot, at) => {
+                *count += 1;
+            }
+            _ => runs.push([slot, at, 1]),
+        }
+    }
+    runs
 }
 
 /// Writes zeros at these places of every sample.
