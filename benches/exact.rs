@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use roberval_base::{Model, decide_exactly, nullspace_rank};
+use roberval_base::{Model, choose_exactly, decide_exactly, nullspace_rank};
 use roberval_mechanism::{Mechanism, SourceFormat};
 use roberval_testkit::{Angles, Family};
 
@@ -48,6 +48,9 @@ fn exact(c: &mut Criterion) {
         let order: Vec<usize> = (0..robot.parameters().len()).collect();
         c.bench_function(&format!("nullspace/{name}"), |b| {
             b.iter(|| nullspace_rank(black_box(&robot), 1));
+        });
+        c.bench_function(&format!("choice/{name}"), |b| {
+            b.iter(|| choose_exactly(black_box(&robot), Model::D, &order, 1));
         });
         c.bench_function(&format!("beta/{name}"), |b| {
             b.iter(|| decide_exactly(black_box(&robot), Model::D, &order, 1));

@@ -20,7 +20,7 @@ fn reduce(criterion: &mut Criterion) {
         let base = base_parameters(&robot, &Options::default())
             .expect("a rank")
             .base;
-        let samples = Samples::draw(&robot, BATCH, 1);
+        let samples = Samples::draw(&robot, BATCH, 1).expect("samples");
         let tau = vec![1.0; BATCH * robot.dof()];
         for (what, friction) in [("base", Friction::default()), ("base, friction", speeds)] {
             let reduction = Reduction::new(Regressor::new(&robot), &base, friction);

@@ -31,7 +31,7 @@ fn packed(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("packed");
     group.throughput(Throughput::Elements(CACHED as u64));
     for (name, robot) in robots() {
-        let samples = Samples::draw(&robot, CACHED, 1);
+        let samples = Samples::draw(&robot, CACHED, 1).expect("samples");
         for width in Width::ALL.into_iter().filter(|width| width.is_available()) {
             let regressor = Regressor::new(&robot).with_width(width);
             for model in [Model::D, Model::H] {

@@ -27,7 +27,7 @@ def bodies(draw: st.DrawFn) -> np.ndarray:
 @given(bodies())
 def test_every_convention_leads_back(paper: np.ndarray) -> None:
     for name in ("paper", "pinocchio", "urdf", "mujoco"):
-        convention = rv.convention(name)  # type: ignore[arg-type]
+        convention = rv.convention(name)
         there = convention.from_paper(paper)
         assert there.shape == (len(convention.columns),)
         np.testing.assert_allclose(convention.to_paper(there), paper, atol=ROUNDING)

@@ -8,8 +8,10 @@ import subprocess
 import sys
 import textwrap
 import threading
+import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -138,6 +140,31 @@ except KeyboardInterrupt:
         assert process.stdout.readline() == "ready\n"
         process.send_signal(signal.SIGINT)
         assert process.communicate(timeout=PATIENCE)[0] == "interrupted\n"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="counts threads as Linux does")
+def test_after_ctrl_c_nothing_goes_on_computing() -> None:
+    rows = [(twist, 0.1, 0, 0.2) for twist in ("pi/2", "-pi/2") * 40]
+    robot = rv.Robot.from_mdh(rows)
+
+    def computing() -> int:
+        names = Path("/proc/self/task").glob("*/comm")
+        return sum(name.read_text() == "roberval\n" for name in names)
+
+    def interrupt() -> None:
+        while not computing():
+            time.sleep(0.001)
+        signal.raise_signal(signal.SIGINT)
+
+    watcher = threading.Thread(target=interrupt)
+    watcher.start()
+    with pytest.raises(KeyboardInterrupt):
+        robot.compare()  # a minute
+    watcher.join()
+    end = time.monotonic() + PATIENCE / 4
+    while computing() and time.monotonic() < end:
+        time.sleep(0.001)
+    assert computing() == 0
 
 
 def test_ctrl_c_is_seen_between_blocks(puma: rv.Robot) -> None:

@@ -11,7 +11,7 @@ from ._core import __version__
 from .base import BaseParameters, Comparison, Relations, Route
 from .code import Code, Compiled, Count
 from .conventions import Convention, ParameterOrder, convention
-from .diagnosis import Blame, Diagnosis, Literal, Structure, Witness
+from .diagnosis import Blame, Diagnosis, Literal, Precision, Structure, Witness
 from .errors import (
     ArrayError,
     CheckpointError,
@@ -28,11 +28,11 @@ from .errors import (
 )
 from .exact import Exact, Surd
 from .linting import Finding, lint
-from .loading import CatalogueEntry, catalogue, load
+from .loading import CatalogueEntry, Cleaned, catalogue, clean_file, load
 from .options import Choice, Engine, Model, Number, Snap
 from .reducing import reduce_dataset
 from .reduction import ObservationQR
-from .robot import Link, Robot
+from .robot import Couple, Link, Loop, Robot
 from .scaling import Grade, Scaling
 from .symbolic import SymbolicRelations
 
@@ -43,11 +43,13 @@ __all__ = [
     "CatalogueEntry",
     "CheckpointError",
     "Choice",
+    "Cleaned",
     "Code",
     "Comparison",
     "Compiled",
     "Convention",
     "Count",
+    "Couple",
     "Diagnosis",
     "DoubtfulRankWarning",
     "Engine",
@@ -57,6 +59,7 @@ __all__ = [
     "InternalError",
     "Link",
     "Literal",
+    "Loop",
     "MissingPackageError",
     "Model",
     "Number",
@@ -64,6 +67,7 @@ __all__ = [
     "ObservationQR",
     "OptionError",
     "ParameterOrder",
+    "Precision",
     "Relations",
     "RobervalError",
     "Robot",
@@ -80,6 +84,7 @@ __all__ = [
     "Witness",
     "__version__",
     "catalogue",
+    "clean_file",
     "convention",
     "lint",
     "load",

@@ -35,7 +35,7 @@ def numbers(name: str, value: npt.ArrayLike) -> Array:
 
 
 class States(NamedTuple):
-    """Joint states, each (N, n), and what stands before n in the caller's shape."""
+    """States, q (N, nq), qd and qdd (N, n), and what stands before n in the caller's shape."""
 
     q: Array
     qd: Array
@@ -48,9 +48,9 @@ def _plain(value: object) -> bool:
     return type(value) is np.ndarray and value.dtype is _FLOAT and value.flags.carray
 
 
-def states(q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike, n: int) -> States:
-    """Return q, qd and qdd, all of one shape, (n,) or (N, n)."""
-    if _plain(q) and _plain(qd) and _plain(qdd):
+def states(q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike, nq: int, n: int) -> States:
+    """Return q, (nq,) or (N, nq), qd and qdd, (n,) or (N, n)."""
+    if nq == n and _plain(q) and _plain(qd) and _plain(qdd):
         shape = q.shape  # type: ignore[union-attr]
         if qd.shape == shape and qdd.shape == shape and shape[-1:] == (n,):  # type: ignore[union-attr]
             if len(shape) == 1:
@@ -58,16 +58,18 @@ def states(q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike, n: int) -> S
             if len(shape) == 2:
                 return States(q, qd, qdd, shape[:1])  # type: ignore[arg-type]
     arrays = [numbers("q", q), numbers("qd", qd), numbers("qdd", qdd)]
-    for name, array in zip(("q", "qd", "qdd"), arrays, strict=True):
-        if array.ndim not in (1, 2) or array.shape[-1] != n:
+    joints = f"{n} moving joints" if nq == n else f"{n - 6} moving joints and a floating base"
+    for name, array, width in zip(("q", "qd", "qdd"), arrays, (nq, n, n), strict=True):
+        if array.ndim not in (1, 2) or array.shape[-1] != width:
             raise ShapeError(
-                f"{name} has shape {array.shape}, expected ({n},) for one state "
-                f"or (N, {n}) for N states: the robot has {n} moving joints"
+                f"{name} has shape {array.shape}, expected ({width},) for one state "
+                f"or (N, {width}) for N states: the robot has {joints}"
             )
-        if array.shape != arrays[0].shape:
+        if array.shape[:-1] != arrays[0].shape[:-1]:
             raise ShapeError(
                 f"{name} has shape {array.shape} and q has {arrays[0].shape}: "
                 "q, qd and qdd must have one shape"
+                + ("" if nq == n else " but for the last number of q")
             )
     q, qd, qdd = (np.atleast_2d(array) for array in arrays)
     return States(q, qd, qdd, arrays[0].shape[:-1])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
@@ -317,10 +318,39 @@ class BaseParameters(Rendered):
 
         Returns
         -------
-        ndarray, shape (N, n, b)
+        ndarray, shape (N, m, b)
             For h (N, b); for one state without the N.
         """
         return self._robot._rows(self.model, self._inner.base, q, qd, qdd, out)
+
+    def certificate(self) -> dict[str, Any]:
+        """Return what was decided and how, for a checker that shares nothing with roberval.
+
+        The content of the file that `save_certificate` writes.
+
+        Raises
+        ------
+        OptionError
+            A float engine decided.
+        NumericalError
+            A coefficient without an exact form is not known well enough.
+        """
+        content: dict[str, Any] = json.loads(self._inner.certificate())
+        return content
+
+    def save_certificate(self, path: str | os.PathLike[str]) -> None:
+        """Write the certificate, which ``python -m roberval.check_certificate`` checks.
+
+        The file is written as a whole or not at all.
+
+        Raises
+        ------
+        OptionError, NumericalError
+            As `certificate`.
+        OSError
+            The file cannot be written.
+        """
+        files.write(path, self._inner.certificate())
 
     def relations_symbolic(self, *, name_lengths: bool = False) -> SymbolicRelations:
         """Return the relations in symbols, verified at random values of them.

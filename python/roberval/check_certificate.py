@@ -1,13 +1,12 @@
 """Check a roberval certificate: `python check_certificate.py certificate.json`.
 
 This file stands alone: plain Python, whole numbers only, no code shared with roberval. It builds a
-model of its own, the energies of all links: whether the certificate is about d, d0 or h, parameters
-have no effect together exactly when they add a constant to the energy (Gautier 1991, eq. (11)). At
-random states, modulo each prime and with 768 binary digits, it eliminates the base columns: they
-must be independent (modulo a prime this is a proof), leave nothing of any other column, and give
-beta, exactly or rounded to the nearest double. Modulo a prime, powers of random rotations stand for
-multiples of units of angle, exactly if the only one is a number (Lindemann). The SHA-256 guards the
-other entries. Exit code: 0 accepted, 1 refused, 2 nothing to be read.
+model of its own, the energies of all links: be it about d, d0 or h, parameters have no effect
+together exactly when they add a constant to the energy (Gautier 1991, eq. (11)). At random states,
+modulo each prime and with 768 binary digits, the base columns must be independent (modulo a prime a
+proof), leave nothing of any other column, and give beta, exactly or as the nearest double. Modulo a
+prime, powers of random rotations stand for multiples of units of angle, exactly if the only one is
+a number (Lindemann). The SHA-256 guards all else. Exit code: 0 accepted, 1 refused, 2 unreadable.
 """
 
 # ruff: noqa: B905, D102, D103, E731
@@ -30,7 +29,7 @@ KEYS = """angle_order base beta changes degree failure_log2 format generic model
 primes rank regrouped robot robot_sha256 rounding_error samples seeds sha256 version witnesses"""
 Vector = list[int]
 Rotation = tuple[int, int]  # cosine and sine
-Op = Callable[..., Vector]
+Op = Callable[..., Any]
 canonical = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=False).encode
 draw = random.SystemRandom().randrange
 
@@ -97,13 +96,12 @@ class Field(Circle):
         self.reduce, self.inverse = p.__rmod__, partial(pow, exp=-1, mod=p)  # x % p, 1/x
         self.order, self.name, self.pi = order, f"modulo {p}", draw(p)
         self.units, self.steps, self.needed, self.turn = {"0": (1, 0)}, 0, 120, (1, 0)
-        quarter = self.turn
         require(order % 120 == 0, f"order {order} has no square roots of 2, 3 and 5")
         small = [q for q in range(1, isqrt(order) + 1) if order % q == 0]
         divisors = [d for q in small for d in (q, order // q) if d < order]
-        while any(self.power(self.turn, d) == (1, 0) for d in divisors) or quarter != (0, 1):
+        at = lambda d: self.power(self.turn, d)
+        while any(at(d) == (1, 0) for d in divisors) or at(order // 4) != (0, 1):
             self.turn = self.power(self.point(), (p + 1) // order)
-            quarter = self.power(self.turn, order // 4)
         cosine = [self.power(self.turn, order // k)[0] for k in (8, 12, 10)]
         roots = {2: 2 * cosine[0], 3: 2 * cosine[1], 5: 4 * cosine[2] - 1}
         self.root = lambda x: roots.get(x, pow(x, (p + 1) // 4, p))
@@ -147,6 +145,10 @@ times: Op = lambda n, v, factor: [n.reduce(x * factor) for x in v]
 minus: Op = lambda n, v, f, w: [n.reduce(n.one * x - f * y) for x, y in zip(v, w)] if f else v
 apply: Op = lambda n, a, b: [n.reduce(x * b[0] + y * b[1] + z * b[2]) for x, y, z in zip(*a)]
 cross: Op = lambda n, a, b: [n.reduce(a[i] * b[i + 1] - a[i + 1] * b[i]) for i in (-2, -1, 0)]
+# Turned by x, of length tan(angle/2): e + 2 (x x e + x x (x x e)) / (1 + x.x).
+share: Op = lambda n, x: 2 * n.inverse(n.one + n.reduce(sum(c * c for c in x)))
+swing: Op = lambda n, x, y, f: times(n, add(y, cross(n, x, y)), f)
+turned: Op = lambda n, a, x: [add(e, swing(n, x, cross(n, x, e), share(n, x))) for e in a]
 
 
 def placed(n: Any, steps: list[list[str]]) -> tuple[list[Vector], Vector]:
@@ -165,37 +167,33 @@ def placed(n: Any, steps: list[list[str]]) -> tuple[list[Vector], Vector]:
 
 def energy(n: Any, links: list[Any], gravity: Vector) -> Vector:
     """Return 2 h at a random state: what each parameter adds to twice the energy."""
-    row: Vector = []
+    row, floats = list[int](), links[0][2] == "floating"
     drawn = {x: (draw(n.span), draw(n.span), n.point()) for *_, terms in links for x, *_ in terms}
-    frames: dict[str | None, Any] = {None: (n.eye, [0, 0, 0], [0, 0, 0], [0, 0, 0])}
-    for name, antecedent, joint, rotor, (turn, shift), axis, start, terms in links:
+    x, p, v, w = ([draw(n.span) * floats for _ in "xyz"] for _ in "xpvw")
+    frames: dict[str | None, Any] = {None: (turned(n, n.eye, x), p, v, w)}
+    for name, antecedent, joint, count, (turn, shift), axis, start, terms in links:
         rotation, p, v, w = frames[antecedent]
         arm, rotation = apply(n, rotation, shift), [apply(n, rotation, e) for e in turn]
         q, qd, k = draw(n.span), draw(n.span), apply(n, rotation, axis)
+        turns, slides = joint == "revolute", joint == "prismatic"
         if terms:  # it follows others: a sum, and on the circle a product of powers
             q, qd = (n.reduce(sum(m * drawn[x][i] for x, m, _ in terms)) for i in (0, 1))
-            q += start if joint == "prismatic" else 0
-        if terms and joint == "revolute":
+            q += start if slides else 0
+        if terms and turns:
             cos, sin = reduce(n.compose, [n.power(drawn[x][2], i) for x, _, i in terms], start)
             q = n.reduce(sin * n.inverse(n.one + cos))
-        if joint == "revolute":  # e + 2 (x x e + x x (x x e)) / (1 + x.x), x = k tan(angle/2)
-            x = times(n, k, q)
-            factor = 2 * n.inverse(n.one + n.reduce(sum(c * c for c in x)))
-            swept = [cross(n, x, e) for e in rotation]
-            moved = [times(n, add(e, cross(n, x, e)), factor) for e in swept]
-            rotation = [add(e, change) for e, change in zip(rotation, moved)]
-        arm = add(arm, times(n, k, q)) if joint == "prismatic" else arm
-        p, v, rate = add(p, arm), add(v, cross(n, w, arm)), times(n, k, qd)
-        v = add(v, rate) if joint == "prismatic" else v
-        w = add(w, rate) if joint == "revolute" else w
+        rotation = turned(n, rotation, times(n, k, q)) if turns else rotation
+        arm, rate = add(arm, times(n, k, q * slides)), times(n, k, qd)
+        p, v = add(p, arm), add(v, cross(n, w, arm), times(n, rate, n.one * slides))
+        w = add(w, times(n, rate, n.one * turns))
         frames[name] = (rotation, p, v, w)
         # w'J w, 2 MS.(v x w - g) and M (v.v - 2 g.p), J and MS along the link's own axes.
         x, y, z = (n.reduce(sum(c * d for c, d in zip(e, w))) for e in rotation)
-        row += [n.reduce(c) for c in (x * x, 2 * x * y, 2 * x * z, y * y, 2 * y * z, z * z)]
+        own = [n.reduce(c) for c in (x * x, 2 * x * y, 2 * x * z, y * y, 2 * y * z, z * z)]
         first = [c - g for c, g in zip(cross(n, v, w), gravity)]
-        row += [n.reduce(2 * sum(c * d for c, d in zip(e, first))) for e in rotation]
-        row.append(n.reduce(sum(c * c - 2 * g * x for c, g, x in zip(v, gravity, p))))
-        row += [n.reduce(sum(c * c for c in rate))] * rotor
+        own += [n.reduce(2 * sum(c * d for c, d in zip(e, first))) for e in rotation]
+        own.append(n.reduce(sum(c * c - 2 * g * x for c, g, x in zip(v, gravity, p))))
+        row += [*own, n.reduce(sum(c * c for c in rate))][:count]
     return row
 
 
@@ -205,14 +203,15 @@ def eliminate(n: Any, cert: Any, labels: list[str]) -> int:
     gravity = [value(x, n) for x in robot["gravity"]]
     for link in robot["links"]:
         joint, (start, terms) = link["joint"], link["couple"] or ("0", [])
-        turned = joint == "revolute" and bool(terms)
-        powers = [Fraction(m) * robot["roots"][x] if turned else Fraction(0) for x, m in terms]
+        follows = joint == "revolute" and bool(terms)
+        powers = [Fraction(m) * robot["roots"][x] if follows else Fraction(0) for x, m in terms]
         require({k.denominator for k in powers} <= {1}, f"{link['name']} is at no whole powers")
-        turns += int(sum(map(abs, powers))) if turned else joint != "fixed"
-        start = n.cos_sin(*start) if turned else value(start, n)
+        alone = {"fixed": 0, "floating": 6}.get(joint, 1)
+        turns += int(sum(map(abs, powers))) if follows else alone
+        start = n.cos_sin(*start) if follows else value(start, n)
         terms = [(x, value(m, n), int(k)) for (x, m), k in zip(terms, powers)]
         axis, place = [value(x, n) for x in link["axis"]], placed(n, link["placement"])
-        head = link["name"], link["antecedent"], joint, link["rotor"]
+        head = [link[key] for key in ("name", "antecedent", "joint", "columns")]
         links.append((*head, place, axis, start, terms))
     kept, b = cert["base"] + cert["regrouped"], len(cert["base"])
     pivots: list[tuple[int, Vector]] = []
@@ -259,9 +258,10 @@ def check(text: str) -> str:
     for name, part in (("robot_sha256", robot), ("sha256", {**cert, "sha256": ""})):
         digest = hashlib.sha256(canonical(part).encode()).hexdigest()
         require(cert[name] == digest, f"{name} is that of something else: it was changed")
-    joints, known = {x["joint"] for x in robot["links"]}, {"revolute", "prismatic", "fixed"}
-    require(joints <= known and cert["model"] in ("d", "d0", "h"), "no such joint or model")
-    labels = [f"{x}_{y['name']}" for y in robot["links"] for x in KINDS[: 10 + y["rotor"]]]
+    links, known = robot["links"], {"revolute", "prismatic", "fixed", 0, 10, 11}
+    found = {x[y] for x in links[links[0]["joint"] == "floating" :] for y in ("joint", "columns")}
+    require(found <= known and cert["model"] in ("d", "d0", "h"), "no such joint or model")
+    labels = [f"{x}_{y['name']}" for y in links for x in KINDS[: y["columns"]]]
     columns = sorted(cert["no_effect"] + base + cert["regrouped"])
     require(columns == sorted({*labels}) == sorted(order), "the columns are not those of the robot")
     require(cert["rank"] == len(base) > 0, "the rank is not the number of base columns")

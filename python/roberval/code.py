@@ -49,6 +49,8 @@ class Code:
     """tau, regressor, energy, gravity or mass."""
     function: str
     """The function's name."""
+    joints: tuple[str, ...]
+    """The links whose joint variables it takes."""
     parameters: tuple[str, ...]
     """The parameters it takes, or whose columns it gives."""
     shape: tuple[int, ...]
@@ -57,12 +59,14 @@ class Code:
     """Operations at every state."""
     count_once: Count
     """Operations done once for a set of parameters."""
+    loops: bool
+    """Whether it takes the state of all joints and G, because loops relate them."""
 
     @classmethod
     def _of(
         cls, core: _core.Answer, language: str, what: str, *, standard: bool, friction: bool
     ) -> Code:
-        text, function, parameters, shape, count, once = core.code(
+        text, function, joints, parameters, shape, count, once, loops = core.code(
             language, what, standard, friction
         )
         return cls(
@@ -70,10 +74,12 @@ class Code:
             language,
             what,
             function,
+            tuple(joints),
             tuple(parameters),
             tuple(shape),
             Count(*count),
             Count(*once),
+            loops,
         )
 
     def __str__(self) -> str:
@@ -96,7 +102,7 @@ class Compiled:
         self._base = base
         code = base.code("c", "energy" if base.model == "h" else "regressor")
         self._shape = code.shape
-        self._call = _machine_code(code, base.robot.n)
+        self._call = _machine_code(code)
 
     @property
     def compiled(self) -> bool:
@@ -128,15 +134,15 @@ class Compiled:
         return out
 
 
-def _machine_code(code: Code, joints: int) -> Callable[..., None] | None:
+def _machine_code(code: Code) -> Callable[..., None] | None:
     """Compile a loop over states around the code; None without a compiler that works."""
     compiler = os.environ.get("CC") or next(filter(shutil.which, ("cc", "gcc", "clang")), None)
-    if not compiler or os.name != "posix":
+    if code.loops or not compiler or os.name != "posix":
         return None
     states = ["q", "qd"] if code.what == "energy" else ["q", "qd", "qdd"]
     with tempfile.TemporaryDirectory(prefix="roberval-") as folder:
         source, library = Path(folder, "code.c"), Path(folder, "code.so")
-        source.write_text(code.text + _loop(code, joints, states))
+        source.write_text(code.text + _loop(code, states))
         command = [*compiler.split(), *FLAGS, "-o", str(library), str(source), "-lm"]
         try:
             subprocess.run(command, check=True, capture_output=True)
@@ -151,7 +157,7 @@ def _machine_code(code: Code, joints: int) -> Callable[..., None] | None:
     return result
 
 
-def _loop(code: Code, joints: int, states: list[str]) -> str:
+def _loop(code: Code, states: list[str]) -> str:
     size = int(np.prod(code.shape))
     parameters = ", ".join(f"const double *{name}" for name in states)
     return f"""
@@ -159,7 +165,7 @@ void roberval_states(long count, {parameters}, double *out)
 {{
     for (long i = 0; i < count; i++) {{
         {code.function}({", ".join(states)}, out);
-        {" ".join(f"{name} += {joints};" for name in states)}
+        {" ".join(f"{name} += {len(code.joints)};" for name in states)}
         out += {size};
     }}
 }}

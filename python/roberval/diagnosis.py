@@ -23,6 +23,10 @@ class Structure:
         An upper bound of the probability that the rank is too low. It is never too high.
     generic : tuple of str
         Angles with too many digits for a common unit, taken as unrelated; as written.
+    tree_rank : int or None
+        The rank of the tree without couples, of a robot that has some.
+    removed : tuple of str
+        The base parameters of that tree that the couples remove.
     """
 
     rank: int
@@ -30,6 +34,46 @@ class Structure:
     seeds: tuple[int, ...]
     failure_probability: float
     generic: tuple[str, ...]
+    tree_rank: int | None = None
+    removed: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Precision:
+    """How high-precision floats decided, where there is no exact decision.
+
+    Attributes
+    ----------
+    rank : int
+        b.
+    tolerance : float
+        What counts as zero, relative to the column.
+    smallest_kept, largest_dropped : float or None
+        What is nearest to the tolerance on either side; None if nothing is there.
+    samples, redrawn : int
+        Samples used, and configurations of loops that were drawn again: they were singular
+        or on another branch.
+    tree_rank : int or None
+        b of the tree without its constraints.
+    removed : tuple of str
+        What these remove beyond the tree.
+    """
+
+    rank: int
+    tolerance: float
+    smallest_kept: float | None
+    largest_dropped: float | None
+    samples: int
+    redrawn: int
+    tree_rank: int | None = None
+    removed: tuple[str, ...] = ()
+
+    @property
+    def gap(self) -> float | None:
+        """Smallest kept over largest dropped value; None if nothing is on one side."""
+        if not self.smallest_kept or not self.largest_dropped:
+            return None
+        return self.smallest_kept / self.largest_dropped
 
 
 @dataclass(frozen=True)
@@ -107,6 +151,8 @@ class Diagnosis:
         What the user should know.
     structure : Structure or None
         How the exact engine decided; None for the float engines.
+    precision : Precision or None
+        How high-precision floats decided; None if another engine did.
     witnesses : tuple of Witness
         What the float engines make of what the exact one decided.
     literal : Literal or None
@@ -121,6 +167,7 @@ class Diagnosis:
     residual: float
     messages: tuple[str, ...]
     structure: Structure | None
+    precision: Precision | None
     witnesses: tuple[Witness, ...]
     literal: Literal | None
 
@@ -136,7 +183,8 @@ class Diagnosis:
             gap=core.gap,
             residual=core.residual,
             messages=tuple(core.messages),
-            structure=_structure(core),
+            structure=_structure(core, labels),
+            precision=_precision(core, labels),
             witnesses=tuple(
                 Witness(engine, rank, gap, at, tuple(spectrum), tolerance)
                 for engine, rank, gap, at, spectrum, tolerance in core.witnesses
@@ -145,11 +193,29 @@ class Diagnosis:
         )
 
 
-def _structure(core: _core.Answer) -> Structure | None:
+def _structure(core: _core.Answer, labels: tuple[str, ...]) -> Structure | None:
     if core.structure is None:
         return None
     rank, primes, seeds, probability, generic = core.structure
-    return Structure(rank, tuple(primes), tuple(seeds), probability, tuple(generic))
+    tree, removed = core.opened or (None, [])
+    return Structure(
+        rank,
+        tuple(primes),
+        tuple(seeds),
+        probability,
+        tuple(generic),
+        tree,
+        tuple(labels[column] for column in removed),
+    )
+
+
+def _precision(core: _core.Answer, labels: tuple[str, ...]) -> Precision | None:
+    if core.precision is None:
+        return None
+    rank, tolerance, (kept, dropped), samples, redrawn = core.precision
+    tree, removed = core.opened or (None, [])
+    names = tuple(labels[column] for column in removed)
+    return Precision(rank, tolerance, kept, dropped, samples, redrawn, tree, names)
 
 
 def _literal(core: _core.Answer) -> Literal | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-import tempfile
+import secrets
 from pathlib import Path
 
 
@@ -13,21 +13,15 @@ def write(path: str | os.PathLike[str], content: str | bytes) -> Path:
     data = content.encode() if isinstance(content, str) else content
     # A link stays a link.
     place = target.resolve()
-    handle, name = tempfile.mkstemp(prefix=".roberval-", suffix=".tmp", dir=place.parent)
-    draft = Path(name)
+    draft = place.with_name(f".roberval-{os.getpid()}-{secrets.token_hex(4)}.tmp")
     try:
-        with os.fdopen(handle, "wb") as file:
+        with draft.open("xb") as file:
             file.write(data)
-        mode = place.stat().st_mode & 0o777 if place.exists() else 0o666 & ~_umask()
-        draft.chmod(mode)
+            file.flush()
+            os.fsync(file.fileno())
+        if place.exists():
+            draft.chmod(place.stat().st_mode & 0o777)
         draft.replace(place)
-    except BaseException:
+    finally:
         draft.unlink(missing_ok=True)
-        raise
     return target
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from . import _core, importers
+from . import _core, files, importers
 from .options import Number, Snap, reading
 from .robot import Robot
 
@@ -34,6 +34,7 @@ def load(
     path_or_name: str | os.PathLike[str],
     *,
     keep_fixed: bool = False,
+    floating: bool = False,
     rotors: bool = True,
     snap: Snap = "default",
     gravity: Sequence[Number] | None = None,
@@ -50,6 +51,10 @@ def load(
     keep_fixed : bool
         For URDF: keep links on fixed joints as links of their own. By default they are
         lumped into their parents.
+    floating : bool
+        Let the base move freely: the root link of a URDF, with the inertia it has there; for
+        other robots a link ``"0"`` of unknown inertia. A robot that floats already stays as
+        it is.
     rotors : bool
         Whether driven joints have a rotor inertia Ia of their own. Without, a link has the
         ten parameters of its rigid body.
@@ -75,14 +80,81 @@ def load(
     >>> rv.load("puma560")
     Robot('PUMA 560', 6 revolute joints, 66 parameters)
     """
-    asked = reading(keep_fixed=keep_fixed, rotors=rotors, snap=snap, gravity=gravity)
-    path = Path(path_or_name)
+    asked = reading(
+        keep_fixed=keep_fixed, floating=floating, rotors=rotors, snap=snap, gravity=gravity
+    )
+    path = Path(_path("load", path_or_name))
     if not path.exists():
         path = importers.described(os.fspath(path_or_name)) or path
         path_or_name = path
     if kind := importers.kind_of(path):
         return Robot._imported(importers.read(path, kind), asked)
     return Robot._of(_core.Robot.load(os.fspath(path_or_name), asked), asked)
+
+
+class Cleaned(NamedTuple):
+    """What `clean_file` found in a robot file.
+
+    Attributes
+    ----------
+    changes : tuple of str
+        The numbers that were changed.
+    near_misses : tuple of str
+        Numbers that look rounded and were left alone.
+    """
+
+    changes: tuple[str, ...]
+    near_misses: tuple[str, ...]
+
+
+def clean_file(
+    path_or_name: str | os.PathLike[str],
+    output: str | os.PathLike[str],
+    *,
+    aggressive: bool = False,
+) -> Cleaned:
+    """Write a robot file with its rounded angles and dust set right.
+
+    Comments, order and everything else stay byte for byte. The file is written as a whole or
+    not at all; it may be the one that is read.
+
+    Parameters
+    ----------
+    path_or_name : str or path
+        A robot TOML or URDF file, or a name of `catalogue`.
+    output : str or path
+        The file to write.
+    aggressive : bool
+        Set right coarse roundings such as 1.57 too.
+
+    Returns
+    -------
+    Cleaned
+
+    Raises
+    ------
+    RobotError
+        There is no such file or robot, or the file is not valid.
+    OSError
+        `output` cannot be written.
+    """
+    snap = "aggressive" if aggressive else "default"
+    text, changes, near_misses = _core.clean_file(_path("clean_file", path_or_name), snap)
+    files.write(output, text)
+    return Cleaned(tuple(changes), tuple(near_misses))
+
+
+def _path(function: str, path: Any) -> str:
+    """Return a path as text, or refuse what is none."""
+    try:
+        text = os.fspath(path)
+    except TypeError:
+        text = None
+    if not isinstance(text, str):
+        raise TypeError(
+            f"{function} takes a file's path or the name of a built-in robot, not {path!r}"
+        )
+    return text
 
 
 def catalogue() -> tuple[CatalogueEntry, ...]:

@@ -13,7 +13,7 @@ from .errors import OptionError
 Model: TypeAlias = Literal["d", "d0", "h"]
 """Dynamic model, dynamic model at rest, energy model."""
 
-Engine: TypeAlias = Literal["exact", "qr", "qrii", "svd"]
+Engine: TypeAlias = Literal["exact", "precise", "qr", "qrii", "svd"]
 """Route to rank, choice and relations."""
 
 Choice: TypeAlias = Literal["paper", "pivoted", "prefer"]
@@ -31,6 +31,7 @@ class Reading(TypedDict):
     """How a robot file is read."""
 
     keep_fixed: bool
+    floating: bool
     rotors: bool
     snap: str
     gravity: list[str] | None
@@ -40,6 +41,7 @@ def reading(
     *,
     snap: str,
     keep_fixed: bool = False,
+    floating: bool = False,
     rotors: bool = True,
     gravity: Sequence[Number] | None = None,
 ) -> Reading:
@@ -48,6 +50,7 @@ def reading(
         raise OptionError(f"gravity is {gravity!r}, expected three numbers in m/s^2")
     return {
         "keep_fixed": bool(keep_fixed),
+        "floating": bool(floating),
         "rotors": bool(rotors),
         "snap": text("snap", snap),
         "gravity": None if gravity is None else [str(component) for component in gravity],

@@ -63,10 +63,10 @@ class BasePlots:
         ax = _axes(ax, 7, 3.6)
         base, diagnosis = self._base, self._base.diagnosis
         shown = [
-            (w.engine, w.spectrum, w.tolerance)
+            (w.engine, list(w.spectrum), w.tolerance)
             for w in diagnosis.witnesses
             if w.engine in ("qrii", "svd")
-        ] or [(base.engine, sorted(diagnosis.spectrum, reverse=True), diagnosis.tolerance)]
+        ] or [(base.engine, sorted(diagnosis.spectrum.tolist(), reverse=True), diagnosis.tolerance)]
         for number, (engine, spectrum, tolerance) in enumerate(shown):
             place = np.arange(1, len(spectrum) + 1)
             ax.semilogy(place, spectrum, "ov"[number], ms=4, color=f"C{number}", label=engine)
@@ -142,10 +142,11 @@ class BasePlots:
         kept = {link.name: 0 for link in self._base.robot.links}
         for label in self._base.base:
             kept[label.split("_", 1)[1]] += 1
-        return draw_tree(self._base.robot, kept, ax)
+        axes: Axes = draw_tree(self._base.robot, kept, ax)
+        return axes
 
 
-def draw_tree(robot: Robot, kept: dict[str, int] | None, ax: Axes | None) -> Any:
+def draw_tree(robot: Robot, kept: dict[str, int] | None, ax: Any) -> Any:
     """Draw the robot's links and joint axes at joint variables 0 in 3D axes."""
     ax = _axes(ax, 5.5, 5.5, projection="3d")
     frames = robot.frames()

@@ -24,6 +24,21 @@ if TYPE_CHECKING:
     from .importers import Text
 
 
+class Loop(NamedTuple):
+    """A joint that was cut to make a tree of the links.
+
+    Attributes
+    ----------
+    between : tuple of two str
+        The two links; ``"base"`` is the base.
+    cut : str
+        ``"revolute"``, ``"spherical"``, ``"fixed"``, ``"prismatic"`` or ``"universal"``.
+    """
+
+    between: tuple[str, str]
+    cut: str
+
+
 class Link(NamedTuple):
     """One link and the joint that moves it.
 
@@ -36,7 +51,8 @@ class Link(NamedTuple):
     antecedent : str or None
         Name of the link that carries this one; None is the base.
     joint : str
-        ``"revolute"``, ``"prismatic"`` or ``"fixed"``.
+        ``"revolute"``, ``"prismatic"``, ``"fixed"``, or ``"floating"`` for a base that stands
+        on nothing.
     active : bool
         Whether the joint is driven.
     rotor : bool
@@ -49,6 +65,27 @@ class Link(NamedTuple):
     joint: str
     active: bool
     rotor: bool
+
+
+class Couple(NamedTuple):
+    """A joint that follows from others: by a sum of multiples, or by an expression.
+
+    Attributes
+    ----------
+    joint : str
+        The joint that follows.
+    equals : dict of str to str
+        The joints it follows, with their multipliers as written.
+    offset : str
+        Its position where those stand at 0, as written.
+    expression : str or None
+        In place of these, an expression of the joints it follows.
+    """
+
+    joint: str
+    equals: dict[str, str]
+    offset: str
+    expression: str | None = None
 
 
 class Robot(Rendered):
@@ -167,6 +204,7 @@ class Robot(Rendered):
         text_or_path: str | os.PathLike[str],
         *,
         keep_fixed: bool = False,
+        floating: bool = False,
         rotors: bool = True,
         snap: Snap = "default",
         gravity: Sequence[Number] | None = None,
@@ -183,7 +221,7 @@ class Robot(Rendered):
         keep_fixed : bool
             Keep links on fixed joints as links of their own; by default they are lumped
             into their parents.
-        rotors, snap, gravity
+        floating, rotors, snap, gravity
             As in `load`.
 
         Raises
@@ -191,7 +229,9 @@ class Robot(Rendered):
         RobotError
             The file or text is not valid; the message names the line and what would be right.
         """
-        asked = reading(keep_fixed=keep_fixed, rotors=rotors, snap=snap, gravity=gravity)
+        asked = reading(
+            keep_fixed=keep_fixed, floating=floating, rotors=rotors, snap=snap, gravity=gravity
+        )
         text = os.fspath(text_or_path)
         if text.lstrip("\ufeff \t\r\n").startswith("<"):
             return cls._of(_core.Robot.from_urdf(text, "robot.urdf", asked), asked)
@@ -210,7 +250,7 @@ class Robot(Rendered):
 
         The frame of a link lies at its joint, in the axes of its body. A body with several
         joints becomes several links, the first ones without mass; ball joints become three
-        hinges. Equality constraints of two joints become couples; what is not applied is
+        hinges; a free joint makes a base that floats if all others are on it. Equality constraints of two joints become couples; what is not applied is
         warned of. Joint variables are 0 where the model has ``qpos0``.
 
         Parameters
@@ -349,9 +389,27 @@ class Robot(Rendered):
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """Names of the n moving joints in the order of q; of their links where they have none."""
-        moving = (link for link in self._links if link.joint != "fixed")
-        return tuple(link.joint_name or link.name for link in moving)
+        """Names of the independent joints in the order of q; of their links if they have none."""
+        return self.velocities[6 if self.is_floating else 0 :]
+
+    @property
+    def loops(self) -> tuple[Loop, ...]:
+        """The loops that are closed by joints which were cut."""
+        return tuple(Loop((sides[0], sides[1]), cut) for sides, cut in self._inner.loops)
+
+    @property
+    def closed(self) -> Array | None:
+        """Variables of all joints of the tree where the loops are closed: they name the branch.
+
+        None for a robot without loops.
+        """
+        closed = self._inner.closed
+        return None if closed is None else np.array(closed)
+
+    @property
+    def is_floating(self) -> bool:
+        """Whether the first link is a base that moves freely."""
+        return self.nq > self.n
 
     @property
     def axes(self) -> Array:
@@ -382,8 +440,40 @@ class Robot(Rendered):
 
     @property
     def n(self) -> int:
-        """Number of moving joints."""
+        """Degrees of freedom: length of qd and qdd, number of rows of d."""
         return self._inner.dof
+
+    @property
+    def moving(self) -> tuple[str, ...]:
+        """Names of all moving joints, in link order: those that follow others among them."""
+        moving = (link for link in self._links if link.joint in ("revolute", "prismatic"))
+        return tuple(link.joint_name or link.name for link in moving)
+
+    @property
+    def couples(self) -> tuple[Couple, ...]:
+        """The joints that follow from others (couples of a robot TOML, mimic of a URDF)."""
+        rows = self._inner.couples
+        return tuple(Couple(joint, dict(terms), offset, text) for joint, terms, offset, text in rows)
+
+    @property
+    def nq(self) -> int:
+        """Length of q: n, or n + 1 for a floating robot, whose attitude is a quaternion."""
+        return self._inner.positions
+
+    @property
+    def positions(self) -> tuple[str, ...]:
+        """Names of the entries of q: joints; ``L.x L.y L.z L.qx L.qy L.qz L.qw`` if L floats."""
+        return tuple(self._inner.coordinates[0])
+
+    @property
+    def velocities(self) -> tuple[str, ...]:
+        """Names of the entries of qd and qdd: joints; ``L.vx`` to ``L.wz`` if a link L floats."""
+        return tuple(self._inner.coordinates[1])
+
+    @property
+    def rows(self) -> tuple[str, ...]:
+        """Names of the rows of d: joints; force and moment ``L.fx`` to ``L.mz`` if a link L floats."""
+        return tuple(self._inner.coordinates[2])
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -440,11 +530,15 @@ class Robot(Rendered):
 
         Parameters
         ----------
-        q : array_like, shape (n,) or (N, n)
-            Joint positions, rad or m, in the order of `joints`.
-        qd, qdd : array_like, shape of `q`
+        q : array_like, shape (nq,) or (N, nq)
+            Positions, rad or m, in the order of `positions`: those of the joints. A floating
+            robot's q begins as Pinocchio's: place of the base (x, y, z), then its attitude, a
+            quaternion (x, y, z, w) of length 1.
+        qd, qdd : array_like, shape (n,) or (N, n)
             Velocities (per s) and accelerations (per s^2). Model h needs no `qdd`, model d0
-            no `qd`.
+            no `qd`. Those of a floating robot begin with the velocity v of the base's origin
+            and its angular velocity w, in the base's frame, and with their rates; the origin's
+            own acceleration is ``dv + w x v``.
         model : {"d", "d0", "h"}
             d: joint torques, ``tau = d @ X`` (Gautier 1991, eq. (5)); d0: the same at rest
             (eq. (8)); h: energy, of which only differences mean anything (eq. (10)).
@@ -455,7 +549,8 @@ class Robot(Rendered):
         -------
         ndarray, shape (N, n, C)
             For h (N, C); for one state without the N. ``W.reshape(-1, C)`` is the
-            observation matrix.
+            observation matrix. The first six rows of a floating robot are the force and the
+            moment on its base, in the base's frame.
 
         Raises
         ------
@@ -502,12 +597,12 @@ class Robot(Rendered):
         if qd is None:
             if model != "d0":
                 raise ShapeError(f"qd is missing: model {model} needs velocities")
-            qd = np.zeros(np.shape(q))
+            qd = np.zeros((*np.shape(q)[:-1], self.n))
         if qdd is None:
             if model != "h":
                 raise ShapeError(f"qdd is missing: model {model} needs accelerations")
-            qdd = np.zeros(np.shape(q))
-        return arrays.states(q, qd, qdd, self.n)
+            qdd = np.zeros((*np.shape(q)[:-1], self.n))
+        return arrays.states(q, qd, qdd, self.nq, self.n)
 
     def torques(
         self,
@@ -535,7 +630,7 @@ class Robot(Rendered):
         ShapeError, ArrayError, UnknownParameterError
             An argument is not usable.
         """
-        states = arrays.states(q, qd, qdd, self.n)
+        states = arrays.states(q, qd, qdd, self.nq, self.n)
         x = self._standard_parameters(X)
         out = np.empty((*states.lead, self.n))
         self._inner.torques(x, states.q, states.qd, states.qdd, out)
@@ -550,6 +645,39 @@ class Robot(Rendered):
                     f"{len(self._labels)} numbers or a dict of labels"
                 )
         return arrays.vector("X", X, self._labels)
+
+    def expand(
+        self, q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike
+    ) -> tuple[Array, Array, Array]:
+        """Return the states of all joints of the tree, those that follow others included.
+
+        Parameters
+        ----------
+        q, qd, qdd : array_like, shape (n,) or (N, n)
+            States of the independent joints. Passive joints of loops are found on the branch
+            of `closed`, one state after the other.
+
+        Returns
+        -------
+        q, qd, qdd : ndarray, shape (tree joints,) or (N, tree joints)
+            In the order of the links that move.
+
+        Raises
+        ------
+        ShapeError, ArrayError
+            An argument is not usable, or the loops cannot be closed at a state.
+
+        Examples
+        --------
+        >>> import roberval as rv
+        >>> q, qd, qdd = rv.load("four_bar").expand([1.0], [1.0], [0.0])
+        >>> q.shape
+        (3,)
+        """
+        states = arrays.states(q, qd, qdd, self.nq, self.n)
+        rows = self._inner.expand(states.q, states.qd, states.qdd)
+        positions, velocities, accelerations = (x.reshape(*states.lead, -1) for x in rows)
+        return positions, velocities, accelerations
 
     def base_parameters(
         self,
@@ -570,8 +698,9 @@ class Robot(Rendered):
         ----------
         model : {"d", "d0", "h"}
             The model whose columns are analysed; all give the same answer.
-        engine : {"exact", "qr", "qrii", "svd"}
-            Elimination modulo primes, which needs no tolerance (the default); QR without
+        engine : {"exact", "precise", "qr", "qrii", "svd"}
+            Elimination modulo primes, which needs no tolerance (the default; for loops it
+            becomes precise); the same in high-precision floats; QR without
             pivoting (Gautier 1991, eq. (13)), QR with column pivoting (eq. (14)) or SVD
             (eq. (21)-(27)). All give the same answer.
         choice : {"paper", "pivoted", "prefer"}
@@ -643,7 +772,7 @@ class Robot(Rendered):
         if not isinstance(samples, tuple) or len(samples) != 3:
             raise OptionError("samples is no tuple (q, qd, qdd) and no Scaling")
         q, qd, qdd = samples
-        return arrays.states(q, qd, qdd, self.n)[:3]
+        return arrays.states(q, qd, qdd, self.nq, self.n)[:3]
 
     def scale(
         self,
@@ -739,7 +868,7 @@ class Robot(Rendered):
         kinds = [link.joint for link in self._links]
         joints = ", ".join(
             f"{kinds.count(kind)} {kind} joint{'s' if kinds.count(kind) > 1 else ''}"
-            for kind in ("revolute", "prismatic", "fixed")
+            for kind in ("floating", "revolute", "prismatic", "fixed")
             if kind in kinds
         )
         return f"Robot({self.name!r}, {joints}, {len(self._labels)} parameters)"

@@ -45,7 +45,7 @@ class Scaling:
     ----------
     model : str
         d, d0 or h.
-    q, qd, qdd : ndarray, shape (N, n)
+    q, qd, qdd : ndarray, shape (N, m)
         The samples; for h the first one is the reference.
     columns : tuple of str
         The c parameters with an effect.

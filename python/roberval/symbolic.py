@@ -5,14 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from . import _core
 from .errors import MissingPackageError
 from .rendering import Rendered
-
-if TYPE_CHECKING:
-    import sympy
 
 
 class SymbolicRelations(Rendered, Mapping[str, str]):
@@ -89,7 +86,7 @@ class SymbolicRelations(Rendered, Mapping[str, str]):
         """Return a Python module that defines the relations for SymPy."""
         return self._inner.sympy()
 
-    def to_sympy(self) -> dict[str, sympy.Expr]:
+    def to_sympy(self) -> dict[str, Any]:
         """Return the relations as expressions of SymPy, lengths and angles real symbols.
 
         Raises
@@ -98,7 +95,7 @@ class SymbolicRelations(Rendered, Mapping[str, str]):
             If SymPy is not installed.
         """
         try:
-            import sympy
+            import sympy  # type: ignore[import-untyped,import-not-found,unused-ignore]
         except ImportError:
             raise MissingPackageError("to_sympy needs SymPy: pip install sympy") from None
         real = {name: sympy.Symbol(name, real=True) for name in self.symbols}

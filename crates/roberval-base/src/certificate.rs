@@ -9,7 +9,7 @@ mod couples;
 mod numbers;
 
 use num_bigint::BigUint;
-use roberval_mechanism::{Geometry, JointKind, Link, LinkDescription, Mechanism};
+use roberval_mechanism::{Geometry, JointKind, LinkDescription, Mechanism};
 use roberval_regressor::{AngleOrder, AngleUnits, Model};
 use roberval_scalar::Quantity;
 use serde_json::{Map, Value, json};
@@ -132,21 +132,21 @@ fn robot(mechanism: &Mechanism) -> Result<Value, CertificateError> {
     let constants = description.constants.as_slice();
     let units = AngleUnits::of(mechanism, AngleOrder::of(mechanism));
     let couples = Couples::of(mechanism, &units)?;
-    let mut variables = 0..;
+    let mut variables = 0;
     let links: Vec<Value> = mechanism
         .links
         .iter()
         .map(|link| {
-            let moves = link.joint != JointKind::Fixed;
-            let variable = moves.then(|| variables.next()).flatten();
+            let variable = (link.joint != JointKind::Fixed).then_some(variables);
+            variables += link.joint.dof();
             let antecedent = link.antecedent.map(|a| mechanism.links[a].name.as_str());
             let written = &description.links[link.in_file];
             let (placement, axis) = geometry(written, constants, &units)?;
             Ok(json!({
                 "name": link.name,
                 "antecedent": antecedent,
-                "joint": joint(link),
-                "rotor": link.rotor,
+                "joint": link.joint.name(),
+                "columns": link.columns(),
                 "placement": placement,
                 "axis": couples.axis(variable, written, axis)?,
                 "couple": couples.couple(variable)?,
@@ -159,14 +159,6 @@ fn robot(mechanism: &Mechanism) -> Result<Value, CertificateError> {
         "links": links,
         "roots": couples.roots(),
     }))
-}
-
-fn joint(link: &Link) -> &'static str {
-    match link.joint {
-        JointKind::Revolute => "revolute",
-        JointKind::Prismatic => "prismatic",
-        JointKind::Fixed => "fixed",
-    }
 }
 
 /// Moves `["move", x, y, z]` and turns `["turn", axis, s, k, unit]` by s pi + k unit, left to

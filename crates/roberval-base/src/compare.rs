@@ -2,7 +2,8 @@ use roberval_linalg::Tolerance;
 use roberval_mechanism::Mechanism;
 use roberval_regressor::Model;
 
-use crate::{BaseError, BaseParameters, Choice, Engine, Options, base_parameters};
+use crate::method::{Facts, base_parameters_with, random_samples};
+use crate::{BaseError, BaseParameters, Choice, Engine, Options};
 
 /// Two routes' coefficients are the same if they differ by less than this, relative to
 /// the largest: far above rounding (1e-12), far below any length of a robot.
@@ -45,7 +46,7 @@ pub struct Failure {
 /// Runs all models and engines on the same seed and tells whether they agree.
 ///
 /// # Errors
-/// Those of [`base_parameters`], but for failed factorisations: these are told in the result.
+/// Those of [`crate::base_parameters`], but for failed factorisations: these are told in the result.
 pub fn compare(
     mechanism: &Mechanism,
     choice: &Choice,
@@ -54,6 +55,7 @@ pub fn compare(
 ) -> Result<Comparison, BaseError> {
     let mut routes: Vec<Route> = Vec::new();
     let mut failures = Vec::new();
+    let facts = Facts::default();
     for model in Model::ALL {
         for engine in engines(mechanism) {
             let options = Options {
@@ -64,7 +66,8 @@ pub fn compare(
                 seed,
                 rows: None,
             };
-            let answer = match base_parameters(mechanism, &options) {
+            let samples = random_samples(mechanism, &options)?;
+            let answer = match base_parameters_with(mechanism, &options, &samples, &facts) {
                 Ok(answer) => answer,
                 Err(error @ BaseError::Linalg(_)) => {
                     failures.push(Failure {
@@ -101,9 +104,10 @@ pub fn compare(
 
 /// The engines that differ for this mechanism: the exact one, or else pairs of doubles.
 fn engines(mechanism: &Mechanism) -> Vec<Engine> {
-    let skipped = match mechanism.assembly {
-        None => Engine::Precise,
-        Some(_) => Engine::Exact,
+    let skipped = if mechanism.is_affine() {
+        Engine::Precise
+    } else {
+        Engine::Exact
     };
     let all = Engine::ALL.into_iter();
     all.filter(|engine| *engine != skipped).collect()

@@ -109,19 +109,33 @@ pub struct Witness {
 }
 
 impl Diagnosis {
+    /// The tree without constraints, of a mechanism that has some.
+    #[must_use]
+    pub fn opened(&self) -> Option<&Opened> {
+        let exact = self.structure.as_ref().and_then(|s| s.opened.as_ref());
+        let precise = self.precision.as_ref().and_then(|p| p.opened.as_ref());
+        exact.or(precise)
+    }
+
     /// The diagnosis of a float decision; `columns` are the robot's columns that the
-    /// spectrum's entries belong to, if they belong to any.
+    /// spectrum's entries belong to, or mostly do if they are `shared`; `effects` are those of
+    /// [`crate::Observation`], one for each of the robot's columns.
     pub(crate) fn of(
         decision: &RankDecision,
-        columns: Vec<usize>,
+        mut columns: Vec<usize>,
+        shared: bool,
         space: &ParameterSpace,
+        effects: &[f64],
         residual: f64,
     ) -> Self {
         let mut messages = Vec::new();
-        if !decision.ambiguous.is_empty() {
-            messages.push(ambiguity(decision, &columns, space));
+        messages.extend(residue_above_dust(decision, &columns, effects));
+        if shared {
+            columns.clear();
         }
-        messages.extend(residue_above_dust(decision));
+        if !decision.ambiguous.is_empty() {
+            messages.insert(0, ambiguity(decision, &columns, space));
+        }
         if let Some(gap) = decision.gap.filter(|gap| *gap < CLEAR_GAP) {
             messages.push(format!(
                 "the gap between kept and dropped values is only {gap:.1e}: the rank is doubtful"
@@ -292,17 +306,33 @@ fn generic_angles(texts: &[String]) -> String {
 
 /// Values that count as zero but are not: a file with angles of eleven digits leaves
 /// 1e-11 where rounding leaves 1e-16.
-fn residue_above_dust(decision: &RankDecision) -> Option<String> {
-    let mut sorted = decision.spectrum.clone();
-    sorted.sort_by(|a, b| b.total_cmp(a));
-    let (largest, dropped) = (sorted.first()?, sorted.get(decision.rank)?);
-    (*dropped > DUST * largest).then(|| {
-        format!(
-            "values up to {dropped:.1e} count as zero, but rounding leaves less than {:.0e}: \
-             angles or lengths of the robot file that are rounded do this",
-            DUST * largest
-        )
-    })
+///
+/// Rounding is relative to what a column's entries would be if nothing cancelled. Of a
+/// column whose effect is 1e-5 of that, rounding leaves 1e5 times as much, relative to the
+/// column.
+fn residue_above_dust(
+    decision: &RankDecision,
+    columns: &[usize],
+    effects: &[f64],
+) -> Option<String> {
+    let effect = |i: usize| columns.get(i).map_or(1.0, |&c| effects[c].min(1.0));
+    let mut sorted: Vec<(f64, f64)> = (0..decision.spectrum.len())
+        .map(|i| (decision.spectrum[i], effect(i)))
+        .collect();
+    sorted.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    let largest = sorted.first()?.0;
+    let (value, effect) = sorted
+        .into_iter()
+        .skip(decision.rank)
+        .find(|(value, effect)| {
+            let dust = DUST * largest / effect;
+            *value > dust
+        })?;
+    Some(format!(
+        "values up to {value:.1e} count as zero, but rounding leaves less than {:.0e}: \
+         angles or lengths of the robot file that are rounded do this",
+        DUST * largest / effect
+    ))
 }
 
 fn ambiguity(decision: &RankDecision, columns: &[usize], space: &ParameterSpace) -> String {

@@ -37,8 +37,8 @@ pub(crate) struct Finding {
 /// The rank of W and what it was decided on.
 pub(crate) struct Judgement {
     pub decision: RankDecision,
-    /// The columns of W that the spectrum's entries belong to; empty for singular values,
-    /// which belong to none.
+    /// For each entry of the spectrum the column of W that it belongs to; of a singular
+    /// value, which belongs to none, the one that weighs most in its vector.
     pub columns: Vec<usize>,
 }
 
@@ -103,10 +103,13 @@ impl Engine {
                     columns: factors.permutation,
                 }
             }
-            Self::Svd => Judgement {
-                decision: svd(w)?.decide(tolerance)?,
-                columns: Vec::new(),
-            },
+            Self::Svd => {
+                let factors = svd(w)?;
+                Judgement {
+                    decision: factors.decide(tolerance)?,
+                    columns: main_columns(&factors),
+                }
+            }
         })
     }
 
@@ -141,11 +144,22 @@ impl Engine {
                     let deleted = deleted_from_null_space(&factors.null_space(rank))?;
                     Ok(complement(&deleted, w.cols()))
                 })?;
-                let columns = Vec::new();
+                let columns = main_columns(&factors);
                 (Judgement { decision, columns }, kept, Some(factors))
             }
         })
     }
+}
+
+/// For each singular value the column that weighs most in its vector.
+fn main_columns(svd: &Svd) -> Vec<usize> {
+    let largest = |k: usize| {
+        let weights = svd.v.col(k).iter().map(|x| x.abs()).enumerate();
+        weights.max_by(|(_, a), (_, b)| a.total_cmp(b))
+    };
+    (0..svd.v.cols())
+        .filter_map(|k| largest(k).map(|(column, _)| column))
+        .collect()
 }
 
 /// The choice of as many columns as the rank says; where so many are not independent, as

@@ -27,7 +27,9 @@ pub use compare::{Comparison, Failure, Route, compare};
 pub use diagnosis::{Diagnosis, Opened, Structure, Witness};
 pub use engine::Engine;
 pub use error::BaseError;
-pub use exact::{ExactDecision, ExactError, ExactNumber, Run, decide_exactly, eliminate};
+pub use exact::{
+    ExactDecision, ExactError, ExactNumber, Run, choose_exactly, decide_exactly, eliminate,
+};
 pub use literal::{Blame, Literal};
 pub use method::{Options, base_parameters, base_parameters_at};
 pub use nullspace::{NullspaceDecision, nullspace_rank};

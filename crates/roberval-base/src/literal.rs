@@ -4,8 +4,7 @@
 use roberval_mechanism::{Change, Cleaning, Mechanism, RobotDescription, apply};
 use roberval_regressor::Model;
 
-use crate::exact::structural_rank;
-use crate::{BaseError, decide_precisely};
+use crate::{BaseError, choose_exactly, decide_precisely};
 
 /// Groups of equal numbers that are tried one by one to find those to blame.
 const MOST_GROUPS: usize = 24;
@@ -78,13 +77,13 @@ pub(crate) fn literal(
 
 fn rank_of(description: &RobotDescription, model: Model, seed: u64) -> Result<usize, BaseError> {
     let mechanism = Mechanism::new(description)?;
-    if mechanism.assembly.is_none() {
-        return Ok(structural_rank(&mechanism, model, seed)?);
-    }
     let order: Vec<usize> = (0..mechanism.parameters().len()).collect();
-    Ok(decide_precisely(&mechanism, model, &order, seed)?
-        .kept
-        .len())
+    let kept = if mechanism.is_affine() {
+        choose_exactly(&mechanism, model, &order, seed)?
+    } else {
+        decide_precisely(&mechanism, model, &order, seed)?.kept
+    };
+    Ok(kept.len())
 }
 
 /// The groups that alone make a difference; all, if none does.

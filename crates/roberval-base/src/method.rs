@@ -1,15 +1,17 @@
+use std::cell::OnceCell;
+
 use roberval_linalg::{Matrix, Relations, Tolerance, equilibrate, qrii, unscale_relations};
 use roberval_mechanism::Mechanism;
 use roberval_regressor::Model;
 use roberval_scalar::SplitMix64;
 
 use crate::engine::{Finding, Judgement, complement};
-use crate::literal::literal;
+use crate::literal::{Literal, literal};
 use crate::observation::check_size;
 use crate::result::Classes;
 use crate::{
-    BaseError, BaseParameters, Choice, Diagnosis, Engine, ExactNumber, Observation, Samples,
-    decide_exactly, decide_precisely, nullspace_rank, observe,
+    BaseError, BaseParameters, Choice, Diagnosis, Engine, ExactNumber, NullspaceDecision,
+    Observation, Samples, decide_exactly, decide_precisely, nullspace_rank, observe,
 };
 
 /// Samples are never fewer than this: a subtree's own columns (at most 11 a link) are
@@ -42,10 +44,24 @@ pub fn base_parameters(
     mechanism: &Mechanism,
     options: &Options,
 ) -> Result<BaseParameters, BaseError> {
-    let space = mechanism.parameters();
-    let count = sample_count(mechanism, options.model, options.rows, 2 * space.len())?;
-    let samples = Samples::draw(mechanism, count, options.seed)?;
-    base_parameters_at(mechanism, options, &samples)
+    let samples = random_samples(mechanism, options)?;
+    base_parameters_at(mechanism, options, &samples).map_err(|error| match (error, options.rows) {
+        // A sample gives n rows: what was asked for is what the user knows.
+        (BaseError::TooFewRows { columns, .. }, Some(rows)) => {
+            BaseError::TooFewRows { rows, columns }
+        }
+        (error, _) => error,
+    })
+}
+
+/// The samples that [`base_parameters`] takes.
+pub(crate) fn random_samples(
+    mechanism: &Mechanism,
+    options: &Options,
+) -> Result<Samples, BaseError> {
+    let columns = mechanism.parameters().len();
+    let count = sample_count(mechanism, options.model, options.rows, 2 * columns)?;
+    Ok(Samples::draw(mechanism, count, options.seed)?)
 }
 
 /// [`base_parameters`] at samples of one's own, such as [`crate::scale`] finds;
@@ -59,11 +75,53 @@ pub fn base_parameters_at(
     options: &Options,
     samples: &Samples,
 ) -> Result<BaseParameters, BaseError> {
-    match options.engine {
-        Engine::Exact if mechanism.assembly.is_none() => {
-            by_elimination(mechanism, options, samples)
+    base_parameters_with(mechanism, options, samples, &Facts::default())
+}
+
+/// What does not depend on model and engine, found once.
+#[derive(Default)]
+pub(crate) struct Facts {
+    literal: OnceCell<Option<Literal>>,
+    nullspace: OnceCell<NullspaceDecision>,
+}
+
+impl Facts {
+    /// What the file as written gives; `rank` is that of the mechanism.
+    fn literal(
+        &self,
+        mechanism: &Mechanism,
+        options: &Options,
+        rank: usize,
+    ) -> Result<Option<Literal>, BaseError> {
+        if let Some(known) = self.literal.get() {
+            return Ok(known.clone());
         }
-        Engine::Exact | Engine::Precise => by_precision(mechanism, options, samples),
+        let found = literal(mechanism, options.model, rank, options.seed)?;
+        Ok(self.literal.get_or_init(|| found).clone())
+    }
+
+    /// The parameter nullspace algorithm's answer (of the opened tree, if there are loops).
+    fn nullspace(&self, mechanism: &Mechanism, seed: u64) -> Result<&NullspaceDecision, BaseError> {
+        if let Some(known) = self.nullspace.get() {
+            return Ok(known);
+        }
+        let found = nullspace_rank(mechanism, seed)?;
+        Ok(self.nullspace.get_or_init(|| found))
+    }
+}
+
+/// [`base_parameters_at`] with what is known already.
+pub(crate) fn base_parameters_with(
+    mechanism: &Mechanism,
+    options: &Options,
+    samples: &Samples,
+    facts: &Facts,
+) -> Result<BaseParameters, BaseError> {
+    match options.engine {
+        Engine::Exact if mechanism.is_affine() => {
+            by_elimination(mechanism, options, samples, facts)
+        }
+        Engine::Exact | Engine::Precise => by_precision(mechanism, options, samples, facts),
         Engine::Qr | Engine::Qrii | Engine::Svd => by_factorisation(mechanism, options, samples),
     }
 }
@@ -85,7 +143,14 @@ fn by_factorisation(
     let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
     let judgement = &finding.judgement;
     let columns = judgement.columns.iter().map(|&i| order[i]).collect();
-    let diagnosis = Diagnosis::of(&judgement.decision, columns, &space, fresh);
+    let diagnosis = Diagnosis::of(
+        &judgement.decision,
+        columns,
+        options.engine == Engine::Svd,
+        &space,
+        &observation.effects,
+        fresh,
+    );
     Ok(BaseParameters::new(
         mechanism,
         options,
@@ -102,6 +167,7 @@ fn by_elimination(
     mechanism: &Mechanism,
     options: &Options,
     samples: &Samples,
+    facts: &Facts,
 ) -> Result<BaseParameters, BaseError> {
     let observation = observe(mechanism, options.model, samples)?;
     let decide = |order: &[usize]| {
@@ -130,10 +196,10 @@ fn by_elimination(
     });
     let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
     let witnesses = witnesses(&w, &effect, &options.tolerance)?;
-    let literal = literal(mechanism, options.model, base.len(), options.seed)?;
-    let tree = nullspace_rank(mechanism, options.seed)?;
+    let literal = facts.literal(mechanism, options, base.len())?;
+    let tree = facts.nullspace(mechanism, options.seed)?;
     let opened = mechanism.closure.is_some();
-    let diagnosis = Diagnosis::structural(&exact, &tree, opened, &witnesses, literal, fresh);
+    let diagnosis = Diagnosis::structural(&exact, tree, opened, &witnesses, literal, fresh);
     Ok(BaseParameters::new(
         mechanism,
         options,
@@ -156,6 +222,7 @@ fn by_precision(
     mechanism: &Mechanism,
     options: &Options,
     samples: &Samples,
+    facts: &Facts,
 ) -> Result<BaseParameters, BaseError> {
     let options = &Options {
         engine: Engine::Precise,
@@ -177,11 +244,11 @@ fn by_precision(
     });
     let fresh = residual_at_fresh_samples(mechanism, options, &base, &regrouped, &beta)?;
     let witnesses = witnesses(&w, &effect, &options.tolerance)?;
-    let literal = literal(mechanism, options.model, base.len(), options.seed)?;
+    let literal = facts.literal(mechanism, options, base.len())?;
     let opened = mechanism.closure.is_some();
-    let tree = opened.then(|| nullspace_rank(mechanism, options.seed));
+    let tree = opened.then(|| facts.nullspace(mechanism, options.seed));
     let tree = tree.transpose()?;
-    let diagnosis = Diagnosis::precise(&precise, tree.as_ref(), &witnesses, literal, fresh);
+    let diagnosis = Diagnosis::precise(&precise, tree, &witnesses, literal, fresh);
     let no_effect = precise.no_effect;
     Ok(BaseParameters::new(
         mechanism,

@@ -1,5 +1,5 @@
 use roberval_linalg::Matrix;
-use roberval_mechanism::{JointKind, Mechanism};
+use roberval_mechanism::{Mechanism, Motion};
 use roberval_regressor::{Model, Regressor};
 
 use crate::{BaseError, Samples};
@@ -45,7 +45,7 @@ impl Observation {
 ///
 /// The rows of h are differences to the first sample's: only differences of energy
 /// matter (eq. (11)), so that "constant" and "zero" become one test for all models.
-/// Rows of prismatic joints, forces, are multiplied by the robot's length.
+/// Rows of prismatic joints and other forces are multiplied by the robot's length.
 ///
 /// # Errors
 /// [`BaseError::TooManyRows`] if W would not fit in memory.
@@ -159,15 +159,18 @@ fn weigh_rows(mechanism: &Mechanism, rows: &mut [f64], width: usize) {
     }
 }
 
-/// What the row of each independent joint is multiplied by in W: the robot's length for forces.
+/// What each row is multiplied by in W: the robot's length for forces.
 pub(crate) fn row_weights(mechanism: &Mechanism) -> Vec<f64> {
     let length = mechanism.characteristic_length();
-    let weight = |joint| match joint {
-        JointKind::Prismatic => length,
-        JointKind::Revolute | JointKind::Fixed => 1.0,
+    let weight = |motion| match motion {
+        Motion::Translation => length,
+        Motion::Rotation => 1.0,
     };
-    let joints = mechanism.independent_joints();
-    joints.iter().map(|link| weight(link.joint)).collect()
+    mechanism
+        .independent_motions()
+        .into_iter()
+        .map(weight)
+        .collect()
 }
 
 /// The largest size at each place of rows of `width` numbers.

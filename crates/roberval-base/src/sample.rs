@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
-use roberval_mechanism::{Assembly, JointKind, Mechanism, VariableLaw, Walk};
-use roberval_regressor::{CouplePowers, States};
+use roberval_mechanism::{Assembly, JointKind, Mechanism, Motion, VariableLaw, Walk};
+use roberval_regressor::{CouplePowers, Expansion, JointStates, States};
 use roberval_scalar::SplitMix64;
 
 /// Configurations drawn for one sample before a mechanism counts as immovable.
@@ -11,14 +11,15 @@ const MOST_REDRAWN: usize = 200;
 /// samples than that differ in their velocities and accelerations.
 const FEWEST_CONFIGURATIONS: usize = 64;
 
-/// Random joint states: N samples of the m independent joints, row-major.
+/// Random states of the robot, N samples of the m independent coordinates, row-major, as
+/// [`States`] has them.
 ///
 /// Revolute joints turn anywhere; prismatic ones move by the robot's own length L, and
 /// time runs in units of sqrt(L/g), so that weights and inertia forces are comparable
-/// and the answer does not depend on the unit of length.
+/// and the answer does not depend on the unit of length. A floating base moves likewise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Samples {
-    /// Positions, rad or m.
+    /// Positions, rad or m; an attitude as a quaternion.
     pub q: Vec<f64>,
     /// Velocities, per s.
     pub qd: Vec<f64>,
@@ -30,11 +31,12 @@ pub struct Samples {
     pub redrawn: usize,
 }
 
-/// No samples of a mechanism with loops.
+/// No samples of a mechanism with loops, or with couples by expressions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "only {found} of {count} configurations of the loops were found that are not singular: \
-     give near values on a branch that moves farther"
+    "only {found} of {count} configurations were found in which the loops close, or the \
+     couples' expressions have values, and that are not singular: give near values on a branch \
+     that moves farther, or expressions that have values nearly everywhere"
 )]
 pub struct SampleError {
     /// Configurations found.
@@ -51,13 +53,24 @@ impl Samples {
     /// # Errors
     /// [`SampleError`] if a mechanism with loops has no such configurations.
     pub fn draw(mechanism: &Mechanism, count: usize, seed: u64) -> Result<Self, SampleError> {
-        let reaches = reaches(mechanism);
+        let reaches = Reaches::of(mechanism);
         let mut random = SplitMix64::new(seed);
-        let mut samples = Self::with_capacity(count * reaches.len());
-        for _ in 0..count {
-            let unit = |_| std::array::from_fn(|_| random.uniform(-1.0, 1.0));
-            let state: Vec<[f64; 3]> = reaches.iter().map(unit).collect();
-            samples.push(&reaches, &state);
+        let mut samples = Self::with_capacity(count * mechanism.positions());
+        let mut regular = Regular::of(mechanism);
+        for found in 0..count {
+            for _ in 0..MOST_REDRAWN {
+                let unit = |_| std::array::from_fn(|_| random.uniform(-1.0, 1.0));
+                let state: Vec<[f64; 3]> = (0..mechanism.independent()).map(unit).collect();
+                samples.push(&reaches, &state);
+                if regular.last_is(&samples) {
+                    break;
+                }
+                samples.pop();
+                samples.redrawn += 1;
+            }
+            if samples.count == found {
+                return Err(SampleError { found, count });
+            }
         }
         if let Some(assembly) = &mechanism.assembly {
             let configurations = FEWEST_CONFIGURATIONS.max(mechanism.parameters().len() / 3);
@@ -110,15 +123,29 @@ impl Samples {
         }
     }
 
-    /// Adds the sample whose (q, qd, qdd), joint by joint, are `state` in units of
-    /// `reaches`.
-    pub(crate) fn push(&mut self, reaches: &[[f64; 3]], state: &[[f64; 3]]) {
-        for (reach, state) in reaches.iter().zip(state) {
+    /// Adds the sample whose (q, qd, qdd), coordinate by coordinate of the velocity, are
+    /// `state` in units of `reaches`; the three of an attitude are a rotation vector.
+    pub(crate) fn push(&mut self, reaches: &Reaches, state: &[[f64; 3]]) {
+        let first = self.q.len();
+        for (reach, state) in reaches.each.iter().zip(state) {
             self.q.push(reach[0] * state[0]);
             self.qd.push(reach[1] * state[1]);
             self.qdd.push(reach[2] * state[2]);
         }
+        if reaches.floating {
+            let attitude = first + 3..first + 6;
+            let vector = [0, 1, 2].map(|k| self.q[attitude.start + k]);
+            self.q.splice(attitude, quaternion(vector));
+        }
         self.count += 1;
+    }
+
+    /// Takes the last sample out.
+    fn pop(&mut self) {
+        for array in [&mut self.q, &mut self.qd, &mut self.qdd] {
+            array.truncate(array.len() / self.count * (self.count - 1));
+        }
+        self.count -= 1;
     }
 
     /// The samples as the regressor takes them.
@@ -132,6 +159,39 @@ impl Samples {
     }
 }
 
+/// Whether expressions of joints have values: others are drawn again.
+struct Regular(Option<(Expansion<f64>, JointStates<f64>)>);
+
+impl Regular {
+    fn of(mechanism: &Mechanism) -> Self {
+        let by_formulas = !mechanism.is_affine() && mechanism.assembly.is_none();
+        let expansion = Expansion::in_floats(mechanism).filter(|_| by_formulas);
+        Self(expansion.map(|expansion| {
+            let states = expansion.states();
+            (expansion, states)
+        }))
+    }
+
+    /// Whether the joints can stand as in the last of the samples, and follow without
+    /// being far faster.
+    fn last_is(&mut self, samples: &Samples) -> bool {
+        let Some((expansion, states)) = &mut self.0 else {
+            return true;
+        };
+        let last = |x: &'_ Vec<f64>| x.len() / samples.count * (samples.count - 1);
+        let state = [&samples.q, &samples.qd, &samples.qdd].map(|x| &x[last(x)..]);
+        let rows = 0..states.q.len();
+        expansion.expand(state, states).is_ok()
+            && rows
+                .flat_map(|i| states.transmission.row(i))
+                .all(|(_, g)| g.abs() < FASTEST)
+    }
+}
+
+/// Near a singularity of an expression joints run away: beyond this many rad per rad a
+/// configuration is drawn again.
+const FASTEST: f64 = 100.0;
+
 /// Whether two configurations are one: what moves them apart is another branch, and far
 /// more than rounding.
 fn is_same(a: &[f64], b: &[f64]) -> bool {
@@ -142,22 +202,40 @@ fn is_same(a: &[f64], b: &[f64]) -> bool {
 /// here: then all of them turn anywhere.
 const MOST_TURNS: i64 = 60;
 
-/// The largest (q, qd, qdd) drawn for each independent joint: those that follow it are not
-/// much faster, and slides go not much farther, than they would by themselves.
-pub(crate) fn reaches(mechanism: &Mechanism) -> Vec<[f64; 3]> {
-    let length = mechanism.characteristic_length();
-    let gravity = mechanism.gravity.norm();
-    let rate = if gravity > 0.0 {
-        (gravity / length).sqrt()
-    } else {
-        1.0
-    };
-    let reach = |joint| match joint {
-        JointKind::Prismatic => [length, rate * length, rate * rate * length],
-        JointKind::Revolute | JointKind::Fixed => [PI, rate, rate * rate],
-    };
+/// The largest (q, qd, qdd) drawn for each independent coordinate of the velocity: those that
+/// follow it are not much faster, and slides go not much farther, than they would by
+/// themselves.
+pub(crate) struct Reaches {
+    pub each: Vec<[f64; 3]>,
+    floating: bool,
+}
+
+impl Reaches {
+    pub fn of(mechanism: &Mechanism) -> Self {
+        let length = mechanism.characteristic_length();
+        let gravity = mechanism.gravity.norm();
+        let rate = if gravity > 0.0 {
+            (gravity / length).sqrt()
+        } else {
+            1.0
+        };
+        let reach = |motion| match motion {
+            Motion::Translation => [length, rate * length, rate * rate * length],
+            Motion::Rotation => [PI, rate, rate * rate],
+        };
+        let independent = mechanism.independent_motions().into_iter();
+        let mut each: Vec<_> = independent.map(reach).collect();
+        follow(mechanism, reach, &mut each);
+        Self {
+            each,
+            floating: mechanism.is_floating(),
+        }
+    }
+}
+
+/// Sets coordinates that others follow to where and how fast these can go.
+fn follow(mechanism: &Mechanism, reach: impl Fn(Motion) -> [f64; 3], reaches: &mut [[f64; 3]]) {
     let joints = mechanism.independent_joints();
-    let mut reaches: Vec<_> = joints.iter().map(|link| reach(link.joint)).collect();
     let laws = mechanism.closure.iter().flat_map(|c| &c.laws);
     let roots = CouplePowers::of(mechanism).map_or_else(Vec::new, |p| p.roots);
     let mut slow = vec![[1.0_f64; 2]; reaches.len()];
@@ -166,15 +244,15 @@ pub(crate) fn reaches(mechanism: &Mechanism) -> Vec<[f64; 3]> {
             reach[0] *= root.min(MOST_TURNS) as f64;
         }
     }
-    for (link, law) in mechanism.moving().zip(laws) {
+    for (motion, law) in mechanism.motions().zip(laws) {
         if let VariableLaw::Affine(law) = law {
             for (place, multiplier) in &law.terms {
-                let faster = multiplier.value.abs() * reaches[*place][1] / reach(link.joint)[1];
+                let faster = multiplier.value.abs() * reaches[*place][1] / reach(motion)[1];
                 let [far, fast] = &mut slow[*place];
                 *fast = fast.max(faster);
-                if link.joint == JointKind::Prismatic {
+                if motion == Motion::Translation {
                     let farther = multiplier.value.abs() * reaches[*place][0];
-                    *far = far.max(farther / reach(link.joint)[0]);
+                    *far = far.max(farther / reach(motion)[0]);
                 }
             }
         }
@@ -184,5 +262,13 @@ pub(crate) fn reaches(mechanism: &Mechanism) -> Vec<[f64; 3]> {
         reach[1] /= fast;
         reach[2] /= fast;
     }
-    reaches
+}
+
+/// The quaternion (x, y, z, w) of a rotation about a vector by its length.
+fn quaternion(vector: [f64; 3]) -> [f64; 4] {
+    let angle = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let (sin, cos) = (0.5 * angle).sin_cos();
+    let factor = if angle > 0.0 { sin / angle } else { 0.5 };
+    let [x, y, z] = vector.map(|x| factor * x);
+    [x, y, z, cos]
 }

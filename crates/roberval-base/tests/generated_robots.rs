@@ -22,7 +22,14 @@ fn robot(seed: u64) -> Mechanism {
         format,
         ..Family::default()
     };
-    Mechanism::new(&family.robot(seed)).expect("a generated robot is valid")
+    let robot = family.robot(seed);
+    let floats = seed % 5 == 4;
+    let robot = if floats {
+        robot.with_floating_base()
+    } else {
+        robot
+    };
+    Mechanism::new(&robot).expect("a generated robot is valid")
 }
 
 #[test]

@@ -106,6 +106,21 @@ fn cutting_a_loop_elsewhere_gives_the_same_count() {
 }
 
 #[test]
+fn cutting_spatial_loops_elsewhere_gives_the_same_count() {
+    let delta = include_str!("../../roberval-formats/catalogue/delta.toml");
+    let pairs = [
+        (waist_with_four_bar(), waist_cut_elsewhere()),
+        (spherical_four_bar(), spherical_cut_elsewhere()),
+        (rssr(), rssr_cut_elsewhere()),
+        (delta.to_owned(), delta_cut_elsewhere(delta)),
+    ];
+    for (text, elsewhere) in pairs {
+        let count = |text: &str| answer(&mechanism(text), Model::D, Engine::Exact, 1).rank();
+        assert_eq!(count(&elsewhere), count(&text), "{elsewhere}");
+    }
+}
+
+#[test]
 fn the_count_does_not_depend_on_the_assembly_mode_of_an_irreducible_loop() {
     let (c, b, deleted) = counts(&four_bar(IN_PLANE), &[Engine::Exact]);
     for near in ["{ 1 = 1, 2 = 0, 3 = 1 }", "{ 1 = 1, 2 = -2, 3 = -2 }"] {
@@ -171,6 +186,25 @@ fn spatial_loops_have_one_count_by_all_models_and_seeds() {
         assert_eq!(robot.independent(), mobility, "{}", robot.name);
         counts(&text, &[Engine::Exact]);
     }
+}
+
+#[test]
+fn a_delta_robot_whose_platform_keeps_its_orientation_has_fewer_base_parameters() {
+    let text = include_str!("../../roberval-formats/catalogue/delta.toml");
+    let (c, b, _) = counts(text, &[Engine::Exact]);
+    assert_eq!((c, b), (43, 34));
+    // The same loops have a branch on which the platform turns.
+    let turning = answer(&mechanism(&delta()), Model::D, Engine::Exact, 1);
+    assert!(turning.rank() > b, "{}", turning.rank());
+    let robot = mechanism(text);
+    let answer = answer(&robot, Model::D, Engine::Exact, 9);
+    let labels = answer.labels(&answer.no_effect);
+    let inertia = ["XX", "XY", "XZ", "YY", "YZ", "ZZ", "MX", "MY", "MZ"];
+    assert!(
+        inertia
+            .iter()
+            .all(|kind| labels.contains(&format!("{kind}_platform").as_str()))
+    );
 }
 
 #[test]

@@ -76,7 +76,9 @@ Examples:
 const STATES: &str = "\
 States are a CSV file with the columns q_1.., qd_1.. and qdd_1.. (or q_NAME with the name of
 the joint or of its link) in any order, or an NPZ file with the arrays q, qd and qdd of shape
-(N, n). Model d0 needs no qd, model h no qdd.
+(N, n). Model d0 needs no qd, model h no qdd. For a floating link L, q begins with q_L.x, q_L.y,
+q_L.z and the quaternion q_L.qx, q_L.qy, q_L.qz, q_L.qw, and qd with qd_L.vx .. qd_L.wz, the
+velocity in L's frame (so qdd, its rates): n is 6 more than the joints, and q has n + 1 columns.
 
 The array has the shape (N, n, C) for d and d0 and (N, C) for h, in C order, C being the
 standard parameters in the order of `roberval show`, or the base parameters with --base.
@@ -266,7 +268,7 @@ pub(crate) struct ScaleArgs {
     #[arg(long, default_value = "h", value_parser = model())]
     pub model: Model,
     /// Names the random starts: the same seed, the same samples
-    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     pub seed: u64,
     /// Rows of W [default: its columns]
     #[arg(long, value_name = "R", value_parser = rows, allow_negative_numbers = true)]
@@ -306,6 +308,9 @@ pub(crate) struct ReadingArgs {
     /// Keep links on fixed joints of a URDF as links of their own
     #[arg(long)]
     pub keep_fixed: bool,
+    /// Let the base move freely: the root link of a URDF, a link "0" for others
+    #[arg(long)]
+    pub floating: bool,
     /// Leave rotor inertias Ia out: ten parameters a link, the rigid bodies' own
     #[arg(long)]
     pub no_rotors: bool,
@@ -338,7 +343,7 @@ pub(crate) struct MethodArgs {
 #[derive(Debug, Clone, Args)]
 pub(crate) struct ChoiceArgs {
     /// Names the random samples: the same seed, the same answer
-    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0, value_parser = seed, allow_negative_numbers = true)]
     pub seed: u64,
     /// Which parameters to keep: those of smallest subscript (paper), the best
     /// conditioned (pivoted), or those preferred by --keep and --drop [default: paper]
@@ -357,6 +362,7 @@ pub(crate) struct ChoiceArgs {
         value_name = "EPS",
         num_args = 0..=1,
         require_equals = true,
+        value_parser = eps,
         default_missing_value = "2.220446049250313e-16"
     )]
     pub paper_tolerance: Option<f64>,
@@ -467,6 +473,16 @@ fn rows(text: &str) -> Result<usize, String> {
         Ok(0) | Err(_) => Err("expected a whole number of rows, at least 1".to_owned()),
         Ok(rows) => Ok(rows),
     }
+}
+
+fn seed(text: &str) -> Result<u64, String> {
+    let hint = |_| format!("expected a whole number from 0 to {}", u64::MAX);
+    text.parse().map_err(hint)
+}
+
+/// What one rounding costs.
+fn eps(text: &str) -> Result<f64, String> {
+    positive(text).map_err(|expected| format!("{expected}, such as 2.2e-16 for doubles"))
 }
 
 /// A number above zero.

@@ -23,6 +23,7 @@ pub(crate) fn run(args: &DemoArgs, out: &mut dyn Write) -> Result<i32, CliError>
     let target = Target::new(Some(&args.output))?;
     let reading = ReadingArgs {
         keep_fixed: false,
+        floating: false,
         no_rotors: false,
         snap: CleanMode::Default,
         gravity: None,

@@ -46,6 +46,14 @@ pub(crate) fn run(
         "note",
         &format!("{errors} errors, {warnings} warnings in {files} file{s}"),
     );
+    let rounded = |f: &&Finding| matches!(f.rule, Rule::RoundedAngle | Rule::Dust);
+    if let Some(first) = findings.iter().find(rounded) {
+        let advice = format!(
+            "roberval clean {} -o FILE sets rounded numbers right and nothing else",
+            first.file
+        );
+        say(err, "note", &advice);
+    }
     Ok(match (unread, findings.len()) {
         (false, 0) => CLEAR,
         (false, _) => FOUND,

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use roberval_base::{BaseParameters, Model, base_parameters};
+use roberval_base::{BaseError, BaseParameters, Model, base_parameters};
 use roberval_mechanism::Mechanism;
 use roberval_regressor::{Regressor, RegressorError};
 
@@ -47,6 +47,7 @@ pub(crate) fn run(
         columns,
         states: &states,
     };
+    w.check()?;
     target.write(out, |sink| w.write(sink))?;
     say(err, "note", &format!("{} of float64", w.describe()));
     Ok(doubt(base.as_ref(), err))
@@ -82,6 +83,13 @@ impl Rows<'_> {
         }
     }
 
+    /// Refuses bad states before anything is written.
+    fn check(&self) -> Result<(), BaseError> {
+        let states = self.states.slice(0, self.states.count, self.mechanism);
+        self.regressor.check(states)?;
+        Ok(())
+    }
+
     fn describe(&self) -> String {
         let lengths: Vec<String> = self.shape().iter().map(ToString::to_string).collect();
         format!("wrote an array of {}", lengths.join(" x "))
@@ -108,7 +116,7 @@ impl Rows<'_> {
     }
 
     fn fill(&self, from: usize, to: usize, numbers: &mut [f64]) -> Result<(), RegressorError> {
-        let states = self.states.slice(from, to, self.mechanism.independent());
+        let states = self.states.slice(from, to, self.mechanism);
         if self.columns.len() == self.regressor.parameters().len() {
             return self.regressor.fill(self.model, states, numbers);
         }

@@ -10,8 +10,12 @@ use crate::error::CliError;
 pub(crate) fn load(robot: &str, reading: &ReadingArgs) -> Result<Mechanism, CliError> {
     let options = UrdfOptions {
         keep_fixed: reading.keep_fixed,
+        floating: reading.floating,
     };
     let mut description = load_with(robot, options)?;
+    if reading.floating {
+        description = description.with_floating_base();
+    }
     if reading.no_rotors {
         description = description.without_rotors();
     }

@@ -12,7 +12,7 @@ use roberval_base::Model;
 use roberval_mechanism::Mechanism;
 use roberval_regressor::States;
 
-/// N joint states, row-major; what the model does not look at is zero.
+/// N states, row-major; what the model does not look at is zero.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct StateTable {
     pub q: Vec<f64>,
@@ -33,6 +33,15 @@ pub(crate) struct StatesError {
 
 /// q, qd and qdd.
 pub(crate) const ARRAYS: [&str; 3] = ["q", "qd", "qdd"];
+
+/// The coordinates of each of them.
+pub(crate) fn width(mechanism: &Mechanism, array: usize) -> usize {
+    if array == 0 {
+        mechanism.positions()
+    } else {
+        mechanism.dof()
+    }
+}
 
 /// Which of q, qd and qdd a model looks at.
 pub(crate) fn needed(model: Model) -> [bool; 3] {
@@ -78,7 +87,7 @@ pub(crate) fn read(
     }
     file.rewind().map_err(unreadable)?;
     if magic.starts_with(b"PK") {
-        npz::read(file, mechanism.independent(), model, note).map_err(refuse)
+        npz::read(file, mechanism, model, note).map_err(refuse)
     } else {
         csv::read(file, mechanism, model, note).map_err(|(line, what)| StatesError {
             line,
@@ -88,14 +97,21 @@ pub(crate) fn read(
 }
 
 impl StateTable {
-    /// The states `from..to` as the regressor takes them, for n joints.
-    pub fn slice(&self, from: usize, to: usize, dof: usize) -> States<'_> {
-        let range = from * dof..to * dof;
+    /// The states `from..to` as the regressor takes them.
+    pub fn slice(&self, from: usize, to: usize, mechanism: &Mechanism) -> States<'_> {
+        let part = |array| {
+            let width = width(mechanism, array);
+            &self.array(array)[from * width..to * width]
+        };
         States {
-            q: &self.q[range.clone()],
-            qd: &self.qd[range.clone()],
-            qdd: &self.qdd[range],
+            q: part(0),
+            qd: part(1),
+            qdd: part(2),
         }
+    }
+
+    fn array(&self, array: usize) -> &[f64] {
+        [&self.q, &self.qd, &self.qdd][array]
     }
 }
 

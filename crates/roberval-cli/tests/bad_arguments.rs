@@ -58,8 +58,11 @@ const CASES: &[(&[&str], &[&str])] = &[
         &["base", "puma560", "--keep", "YY_3", "--drop", "YY_3"],
         &["YY_3", "one list"],
     ),
-    (&["base", "puma560", "--seed", "-1"], &["-1"]),
-    (&["base", "puma560", "--seed", "0.5"], &["0.5"]),
+    (&["base", "puma560", "--seed", "-1"], &["-1", "from 0 to"]),
+    (
+        &["base", "puma560", "--seed", "0.5"],
+        &["0.5", "whole number"],
+    ),
     (
         &["base", "puma560", "--seed", "18446744073709551616"],
         &["--seed"],
@@ -70,6 +73,7 @@ const CASES: &[(&[&str], &[&str])] = &[
     (&["base", "puma560", "--rows", "many"], &["whole number"]),
     (&["base", "puma560", "--rows", "1e3"], &["whole number"]),
     (&["base", "puma560", "--rows", "54"], &["54", "55"]),
+    (&["base", "puma560", "--rows", "3"], &["W has 3 rows"]),
     (&["base", "puma560", "--rows", "1000000000000"], &["memory"]),
     (
         &["base", "puma560", "--rows", "18446744073709551615"],
@@ -86,9 +90,16 @@ const CASES: &[(&[&str], &[&str])] = &[
         ],
         &["memory"],
     ),
-    (&["base", "puma560", "--paper-tolerance=-1"], &["negative"]),
-    (&["base", "puma560", "--paper-tolerance=nan"], &["finite"]),
-    (&["base", "puma560", "--paper-tolerance=inf"], &["finite"]),
+    (
+        &["base", "puma560", "--paper-tolerance=-1"],
+        &["above 0", "2.2e-16"],
+    ),
+    (
+        &["base", "puma560", "--paper-tolerance=abc"],
+        &["abc", "above 0"],
+    ),
+    (&["base", "puma560", "--paper-tolerance=nan"], &["above 0"]),
+    (&["base", "puma560", "--paper-tolerance=inf"], &["above 0"]),
     (&["base", "puma560", "--paper-tolerance=small"], &["small"]),
     (
         &["base", "puma560", "--gravity", "0,0"],

@@ -99,6 +99,7 @@ fn lint_says_where_and_what_and_its_exit_codes_are_for_machines() {
     let file = folder.file("r.urdf", ROUNDED);
     let run = roberval(&["lint", &file]);
     assert_eq!(run.code, 1);
+    assert!(run.err.contains("roberval clean"), "{}", run.err);
     assert!(
         run.out
             .starts_with(&format!("{file}:5:9: warning: j rpy[0] = 1.5708")),

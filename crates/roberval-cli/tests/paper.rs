@@ -81,6 +81,7 @@ fn json_has_the_keys_that_others_rely_on() {
         [
             "schema",
             "robot",
+            "constraints",
             "model",
             "engine",
             "choice",
@@ -122,6 +123,7 @@ fn json_has_the_keys_that_others_rely_on() {
             "residual",
             "messages",
             "structural",
+            "precision",
             "float",
             "literal"
         ]

@@ -25,11 +25,12 @@ pub enum CodeError {
     /// Friction was asked of something else than tau.
     #[error("friction is a part of tau only, not of {}", .0.name())]
     Friction(What),
-    /// The robot's passive joints are found by iteration.
-    #[error(
-        "code is written for chains, trees and couples, not for loops given by cut joints: give the passive joints as couples"
-    )]
-    Loops,
+    /// The base floats.
+    #[error("code is written for a base that stands still, not for one that floats")]
+    Floating,
+    /// Joints follow others by expressions.
+    #[error("code is written for couples by multipliers, not by expressions")]
+    Expressions,
 }
 
 /// Straight-line code of one model of a robot.
@@ -39,8 +40,14 @@ pub struct Code {
     pub what: What,
     /// The robot's name as in its file.
     pub robot: String,
-    /// The independent joint variables: the link that each moves, and whether by turning.
+    /// The joint variables that it takes, the independent ones (all, if there are loops):
+    /// the link that each moves, and whether by turning.
     pub joints: Vec<(String, JointKind)>,
+    /// Number of independent joint variables m: the torques'.
+    pub independent: usize,
+    /// Whether loops determine joint variables: then q, qd and qdd are those of all n
+    /// joints, and the code takes also G (n x m, qd = G qad).
+    pub loops: bool,
     /// Names of the parameters it takes, or of the columns it gives.
     pub parameters: Vec<String>,
     /// Names of the links.
@@ -61,8 +68,11 @@ impl Code {
         if request.friction && what != What::Tau {
             return Err(CodeError::Friction(what));
         }
-        if mechanism.assembly.is_some() {
-            return Err(CodeError::Loops);
+        if mechanism.assembly.is_none() && !mechanism.is_affine() {
+            return Err(CodeError::Expressions);
+        }
+        if mechanism.is_floating() {
+            return Err(CodeError::Floating);
         }
         let program = record(mechanism, what, request.columns, request.friction);
         let (prepare, main) = match program.divided() {
@@ -83,18 +93,20 @@ impl Code {
                 .flat_map(|(name, _)| ["Fv", "Fc"].map(|f| format!("{f}_{name}")));
             parameters.extend(names);
         }
+        let loops = mechanism.assembly.is_some();
         let joints = match &mechanism.closure {
-            None => moving,
-            Some(closure) => closure
-                .independent
-                .iter()
-                .map(|&i| moving[i].clone())
-                .collect(),
+            Some(closure) if !loops => {
+                let independent = closure.independent.iter();
+                independent.map(|&i| moving[i].clone()).collect()
+            }
+            _ => moving,
         };
         Ok(Self {
             what,
             robot: mechanism.name.clone(),
             joints,
+            independent: mechanism.independent(),
+            loops,
             parameters,
             links: mechanism.links.iter().map(|l| l.name.clone()).collect(),
             prepare,
@@ -111,7 +123,13 @@ impl Code {
     /// The shape of the result at one state.
     #[must_use]
     pub fn shape(&self) -> Vec<usize> {
-        self.what.shape(self.joints.len(), self.parameters.len())
+        self.what.shape(self.independent, self.parameters.len())
+    }
+
+    /// Whether it takes G: there are loops, and torques to project.
+    #[must_use]
+    pub fn takes_transmission(&self) -> bool {
+        self.loops && self.what != What::Energy
     }
 
     /// The operations at every state.

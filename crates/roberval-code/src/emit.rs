@@ -75,6 +75,8 @@ struct Function<'a> {
     /// The result's name and shape.
     output: (&'static str, Vec<usize>),
     program: &'a Program,
+    /// The columns of G.
+    columns: usize,
     /// Whether the parameters alone, in place of all, give what is done once: MATLAB shows
     /// only the first function of a file.
     prepares: bool,
@@ -95,6 +97,9 @@ impl Code {
     fn main_function(&self) -> Function<'_> {
         let n = self.joints.len();
         let mut inputs: Vec<(&str, usize)> = self.what.states().iter().map(|s| (*s, n)).collect();
+        if self.takes_transmission() {
+            inputs.push(("g", n * self.independent));
+        }
         match &self.prepare {
             _ if !self.what.takes_parameters() => {}
             Some(prepare) => inputs.push(("k", prepare.outputs.len())),
@@ -105,6 +110,7 @@ impl Code {
             inputs,
             output: (self.output(), self.shape()),
             program: &self.main,
+            columns: self.independent,
             prepares: self.prepare.is_some(),
         }
     }
@@ -116,6 +122,7 @@ impl Code {
             inputs: vec![("x", self.parameters.len())],
             output: ("k", vec![program.outputs.len()]),
             program,
+            columns: self.independent,
             prepares: false,
         })
     }
@@ -161,6 +168,14 @@ impl Code {
             };
             notes.push(format!("  {} link {} [{unit}]", at + 1, plain(name)));
         }
+        if self.takes_transmission() {
+            let n = self.joints.len();
+            notes.push(format!(
+                "loops: q, qd and qdd are those of all {n} joints; g is G with qd = G qda, {n} x {},",
+                self.independent
+            ));
+            notes.push("row after row; results are those of the independent joints".to_owned());
+        }
         notes.push(self.parameters_title().to_owned());
         for (at, label) in self.parameters.iter().enumerate() {
             notes.push(format!("  {} {} [{}]", at + 1, plain(label), unit(label)));
@@ -198,13 +213,18 @@ fn unit(label: &str) -> &'static str {
     }
 }
 
-/// The statements of a program, its inputs named as arrays' elements.
-fn statements(program: &Program, language: Language) -> (Vec<Statement>, Vec<String>) {
+/// The statements of a program, its inputs named as arrays' elements; G has so many columns.
+fn statements(
+    program: &Program,
+    columns: usize,
+    language: Language,
+) -> (Vec<Statement>, Vec<String>) {
     let frame = Frame(language);
     let input = |input: Input| match input {
         Input::Q(k) => frame.element("q", k),
         Input::Qd(k) => frame.element("qd", k),
         Input::Qdd(k) => frame.element("qdd", k),
+        Input::G(i, k) => frame.matrix_element("g", i, k, columns),
         Input::Parameter(k) => frame.constant_element("x", k),
         Input::Prepared(k) => frame.constant_element("k", k),
     };

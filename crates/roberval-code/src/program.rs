@@ -39,6 +39,9 @@ pub enum Input {
     Qd(usize),
     /// Joint acceleration.
     Qdd(usize),
+    /// G: what coordinate k (second) does to joint variable i (first), where loops relate
+    /// them.
+    G(usize, usize),
     /// A parameter, by its place in the order of the code's parameters.
     Parameter(usize),
     /// A value that was computed from the parameters before, by its place.
@@ -171,11 +174,12 @@ impl Program {
         prepare.outputs.clear();
         let mut rest = self.clone();
         rest.inputs.clear();
+        let boundary = self.boundary(&constant);
         for (at, op) in self.nodes.iter().enumerate() {
             let number = matches!(op, Op::Constant(_));
             let input = match *op {
                 Op::Input(k) if !self.inputs[k as usize].is_constant() => self.inputs[k as usize],
-                _ if constant[at] && !number && self.is_boundary(at, &constant) => {
+                _ if constant[at] && !number && boundary[at] => {
                     prepare.outputs.push(Signed::plus(at as u32));
                     Input::Prepared(prepare.outputs.len() - 1)
                 }
@@ -187,12 +191,16 @@ impl Program {
         Some((prepare.without_dead_nodes(), rest.without_dead_nodes()))
     }
 
-    /// Whether something that is not constant, or an output, needs a node.
-    fn is_boundary(&self, at: usize, constant: &[bool]) -> bool {
-        let needs = |op: &Op| op.operands().any(|x| x as usize == at);
-        let users = self.nodes.iter().zip(constant);
-        self.outputs.iter().any(|x| x.node as usize == at)
-            || users.filter(|(_, c)| !**c).any(|(op, _)| needs(op))
+    /// The nodes that something not constant, or an output, needs.
+    fn boundary(&self, constant: &[bool]) -> Vec<bool> {
+        let mut boundary = vec![false; self.nodes.len()];
+        let users = self.nodes.iter().zip(constant).filter(|(_, c)| !**c);
+        let operands = users.flat_map(|(op, _)| op.operands());
+        let outputs = self.outputs.iter().map(|x| x.node);
+        operands
+            .chain(outputs)
+            .for_each(|x| boundary[x as usize] = true);
+        boundary
     }
 
     /// How often each node is used, as an operand or as an output.

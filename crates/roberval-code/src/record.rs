@@ -141,8 +141,11 @@ struct Recorder<'g> {
     shapes: Vec<Shape>,
     /// G: the joint variables that each independent coordinate moves.
     transmission: Transmission<Recorded<'g>>,
-    /// The joint variables where the independent ones are 0.
-    offsets: Vec<f64>,
+    /// The joint variables where the independent ones are 0; `None` if loops determine
+    /// them: then the code takes them all, and G.
+    offsets: Option<Vec<f64>>,
+    /// The coordinates that the code takes: the independent ones, or all.
+    taken: usize,
     /// Number of independent coordinates m.
     independent: usize,
     /// Whether mass moves between bodies as no motion can tell.
@@ -159,13 +162,16 @@ impl<'g> Recorder<'g> {
         let space = mechanism.parameters();
         let tree = Tree::of(mechanism);
         let shapes = Shape::of(&tree);
-        let (rows, offsets): (Vec<_>, Vec<f64>) = laws(mechanism).into_iter().unzip();
-        let transmission = Transmission::from_rows(rows);
         let tree = tree.map(|x| Recorded::constant(graph, x));
-        let m = mechanism.independent();
-        let mut inputs: Vec<Input> = (0..m).map(Input::Q).collect();
-        inputs.extend((0..m).map(Input::Qd));
-        inputs.extend((0..m).map(Input::Qdd));
+        let loops = mechanism.assembly.is_some();
+        let taken = match loops {
+            true => mechanism.dof(),
+            false => mechanism.independent(),
+        };
+        let mut inputs: Vec<Input> = (0..taken).map(Input::Q).collect();
+        inputs.extend((0..taken).map(Input::Qd));
+        inputs.extend((0..taken).map(Input::Qdd));
+        let (rows, offsets) = laws(graph, mechanism, &mut inputs);
         let mut x = vec![tree.constants.zero; space.len()];
         for (place, &column) in columns.iter().enumerate() {
             x[column] = Recorded::input(graph, inputs.len());
@@ -175,9 +181,10 @@ impl<'g> Recorder<'g> {
             graph,
             tree,
             shapes,
-            transmission: transmission.map(|x| Recorded::constant(graph, x)),
-            offsets,
-            independent: m,
+            transmission: Transmission::from_rows(rows),
+            offsets: (!loops).then_some(offsets),
+            taken,
+            independent: mechanism.independent(),
             regroup,
             space,
             width: columns.len(),
@@ -186,18 +193,43 @@ impl<'g> Recorder<'g> {
         }
     }
 
-    /// Joint variable i, or its rate, of independent coordinates or their rates.
-    fn of_independent(&self, i: usize, qa: impl Fn(usize) -> Recorded<'g>) -> Recorded<'g> {
-        let terms = self.transmission.row(i).map(|(place, g)| g * qa(place));
+    /// The joint variables' rates of those of the independent coordinates: G.
+    fn transmitted(&self, i: usize, rate: impl Fn(usize) -> Recorded<'g>) -> Recorded<'g> {
+        let terms = self.transmission.row(i).map(|(place, g)| g * rate(place));
         terms.fold(self.zero(), |sum, term| sum + term)
     }
 
-    /// How the bodies move; velocities and accelerations of the independent coordinates
-    /// as given.
+    fn q(&self, i: usize) -> Recorded<'g> {
+        let input = |k: usize| Recorded::input(self.graph, k);
+        match &self.offsets {
+            None => input(i),
+            Some(offsets) => {
+                self.transmitted(i, input) + Recorded::constant(self.graph, offsets[i])
+            }
+        }
+    }
+
+    fn qd(&self, i: usize) -> Recorded<'g> {
+        let input = |k: usize| Recorded::input(self.graph, self.taken + k);
+        match &self.offsets {
+            None => input(i),
+            Some(_) => self.transmitted(i, input),
+        }
+    }
+
+    fn qdd(&self, i: usize) -> Recorded<'g> {
+        let input = |k: usize| Recorded::input(self.graph, 2 * self.taken + k);
+        match &self.offsets {
+            None => input(i),
+            Some(_) => self.transmitted(i, input),
+        }
+    }
+
+    /// How the bodies move; velocities and accelerations of the joint variables as given.
     fn motion(
         &self,
-        qad: impl Fn(usize) -> Recorded<'g>,
-        qadd: impl Fn(usize) -> Recorded<'g>,
+        qd: impl Fn(usize) -> Recorded<'g>,
+        qdd: impl Fn(usize) -> Recorded<'g>,
     ) -> Vec<JointMotion<Recorded<'g>>> {
         let (zero, one) = (self.tree.constants.zero, self.tree.constants.one);
         let of_body = |(j, body): (usize, &Body<Recorded<'g>>)| {
@@ -211,11 +243,10 @@ impl<'g> Recorder<'g> {
                 qdd: zero,
             };
             let Some(i) = body.variable else { return still };
-            let q = self.of_independent(i, |k| Recorded::input(self.graph, k))
-                + Recorded::constant(self.graph, self.offsets[i]);
+            let q = self.q(i);
             let moving = JointMotion {
-                qd: self.of_independent(i, &qad),
-                qdd: self.of_independent(i, &qadd),
+                qd: qd(i),
+                qdd: qdd(i),
                 ..still
             };
             match body.joint {
@@ -228,7 +259,8 @@ impl<'g> Recorder<'g> {
                 _ => JointMotion { q, ..moving },
             }
         };
-        self.tree.bodies.iter().enumerate().map(of_body).collect()
+        let bodies = self.tree.bodies.iter().enumerate();
+        bodies.map(of_body).collect()
     }
 
     /// G' tau: the torques of the independent coordinates.
@@ -240,14 +272,6 @@ impl<'g> Recorder<'g> {
             }
         }
         torques
-    }
-
-    fn qad(&self, k: usize) -> Recorded<'g> {
-        Recorded::input(self.graph, self.independent + k)
-    }
-
-    fn qadd(&self, k: usize) -> Recorded<'g> {
-        Recorded::input(self.graph, 2 * self.independent + k)
     }
 
     fn zero(&self) -> Recorded<'g> {
@@ -269,13 +293,13 @@ impl<'g> Recorder<'g> {
     }
 
     fn tau(&mut self, friction: bool) -> Vec<Recorded<'g>> {
-        let mut tau = self.newton_euler(&self.motion(|k| self.qad(k), |k| self.qadd(k)));
+        let mut tau = self.newton_euler(&self.motion(|i| self.qd(i), |i| self.qdd(i)));
         let moving: Vec<usize> = (0..self.tree.bodies.len())
             .filter(|&j| friction && self.tree.bodies[j].variable.is_some())
             .collect();
         for (i, j) in moving.into_iter().enumerate() {
             self.graph.set_link(j);
-            let qd = self.of_independent(i, |k| self.qad(k));
+            let qd = self.qd(i);
             let first = self.inputs.len();
             let [fv, fc] = [first, first + 1].map(|at| Recorded::input(self.graph, at));
             let place = self.width + 2 * i;
@@ -299,7 +323,7 @@ impl<'g> Recorder<'g> {
         let m = self.independent;
         let mut matrix = vec![zero; m * m];
         for k in 0..m {
-            let unit = |i: usize| if i == k { one } else { zero };
+            let unit = |i: usize| self.transmitted(i, |place| if place == k { one } else { zero });
             let column = self.projected(&self.newton_euler(&self.motion(|_| zero, unit)));
             for i in 0..=k {
                 matrix[i * m + k] = column[i];
@@ -310,7 +334,7 @@ impl<'g> Recorder<'g> {
     }
 
     fn regressor(&mut self, columns: &[usize]) -> Vec<Recorded<'g>> {
-        let motion = self.motion(|k| self.qad(k), |k| self.qadd(k));
+        let motion = self.motion(|i| self.qd(i), |i| self.qdd(i));
         self.rows(columns, self.independent, |tree, sink| {
             let mut sink = Projected {
                 transmission: &self.transmission,
@@ -321,7 +345,7 @@ impl<'g> Recorder<'g> {
     }
 
     fn energy(&mut self, columns: &[usize]) -> Vec<Recorded<'g>> {
-        let motion = self.motion(|k| self.qad(k), |_| self.zero());
+        let motion = self.motion(|i| self.qd(i), |_| self.zero());
         self.rows(columns, 1, |tree, sink| {
             energy(tree, &motion, &mut EnergyWorkspace::new(tree), sink);
         })
@@ -349,21 +373,36 @@ impl<'g> Recorder<'g> {
     }
 }
 
-/// The law of each joint variable: its multiples of independent coordinates, and where it
-/// stands when they are 0.
-fn laws(mechanism: &Mechanism) -> Vec<(Vec<(usize, f64)>, f64)> {
+/// A row of G: places in qa and what they do.
+type Row<'g> = Vec<(usize, Recorded<'g>)>;
+
+/// The law of each joint variable: its row of G, and where it stands when the independent
+/// coordinates are 0. Where loops determine a variable, its row is taken as inputs.
+fn laws<'g>(
+    graph: &'g Graph,
+    mechanism: &Mechanism,
+    inputs: &mut Vec<Input>,
+) -> (Vec<Row<'g>>, Vec<f64>) {
+    let number = |x: f64| Recorded::constant(graph, x);
     let Some(closure) = &mechanism.closure else {
-        return (0..mechanism.dof())
-            .map(|i| (vec![(i, 1.0)], 0.0))
-            .collect();
+        let law = |i: usize| (vec![(i, number(1.0))], 0.0);
+        return (0..mechanism.dof()).map(law).unzip();
     };
-    let law = |law: &VariableLaw| match law {
-        VariableLaw::Independent(place) => (vec![(*place, 1.0)], 0.0),
-        VariableLaw::Implicit => (Vec::new(), 0.0), // refused before
-        VariableLaw::Affine(law) => {
-            let terms = law.terms.iter().map(|(place, g)| (*place, g.value));
+    let loops = mechanism.assembly.is_some();
+    let law = |(i, law): (usize, &VariableLaw)| match law {
+        VariableLaw::Independent(place) => (vec![(*place, number(1.0))], 0.0),
+        VariableLaw::Affine(law) if !loops => {
+            let terms = law.terms.iter().map(|(place, g)| (*place, number(g.value)));
             (terms.collect(), law.offset.value)
         }
+        // Expressions are refused before.
+        VariableLaw::Affine(_) | VariableLaw::Implicit | VariableLaw::Formula(_) => {
+            let row = (0..closure.independent.len()).map(|k| {
+                inputs.push(Input::G(i, k));
+                (k, Recorded::input(graph, inputs.len() - 1))
+            });
+            (row.collect(), 0.0)
+        }
     };
-    closure.laws.iter().map(law).collect()
+    closure.laws.iter().enumerate().map(law).unzip()
 }

@@ -111,4 +111,15 @@ const CATALOGUE: &[CatalogueEntry] = &[
         "W. Khalil and E. Dombre, Modeling, Identification and Control of Robots, 2002; \
          lengths of our own"
     ),
+    robot!(
+        "four_bar",
+        "Planar four-bar linkage, a loop given by its cut joint",
+        "the textbook example, lengths of our own"
+    ),
+    robot!(
+        "delta",
+        "Delta robot, two loops given by their cut joints",
+        "R. Clavel, Delta, a fast robot with parallel geometry, ISIR 1988; rods with universal \
+         joints and lengths of our own"
+    ),
 ];

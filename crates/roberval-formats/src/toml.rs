@@ -38,6 +38,7 @@ const LINK_KEYS: &[&str] = &[
     "joint",
     "active",
     "rotor",
+    "massless",
     "gamma",
     "b",
     "alpha",
@@ -115,11 +116,29 @@ fn syntax(source: &Source, error: &toml_edit::TomlError) -> FormatError {
         Code::Toml
     };
     let offset = error.span().map_or(0, |span| span.start);
-    let error = source.error(code, offset, what);
+    let mut error = source.error(code, offset, what);
+    if let Some(place) = unread_place(&source.text[..offset]) {
+        error = error.place(place);
+    }
+    if code == Code::NotFinite {
+        error = error.hint("the largest number is 1.797e308");
+    }
     if source.text.trim_start().starts_with('<') {
         return error.hint("this looks like XML, not TOML: name the file .urdf if it is a URDF");
     }
     error
+}
+
+/// The link and the key before a place that the TOML reader does not understand.
+fn unread_place(before: &str) -> Option<String> {
+    let (key, _) = before.lines().last()?.split_once('=')?;
+    let header = |line: &str| line.trim().starts_with("[[link]]");
+    let links = before.lines().filter(|line| header(line)).count();
+    let last = before.lines().rfind(|line| line.trim().starts_with('['));
+    Some(match last {
+        Some(line) if header(line) => format!("link {links}, {}", key.trim()),
+        _ => key.trim().to_owned(),
+    })
 }
 
 fn constants(robot: &Section) -> Result<Vec<(String, Quantity)>, FormatError> {
@@ -216,16 +235,25 @@ fn link(
         return Err(section.fault(Code::BadName, "name", what));
     }
     let joint = joint_kind(section)?;
-    let moving = joint != JointKind::Fixed;
-    let driven = moving && !dependent.contains(&name);
+    let has_axis = joint.has_axis();
+    let driven = has_axis && !dependent.contains(&name);
     let active = section.boolean("active")?.unwrap_or(driven);
-    let rotor = section.boolean("rotor")?.unwrap_or(active && moving);
-    for (key, value) in [("active", active), ("rotor", rotor)] {
-        if value && !moving {
-            let what = format!("a fixed joint cannot have {key} = true");
+    let massless = section.boolean("massless")?.unwrap_or(false);
+    let rotor = section
+        .boolean("rotor")?
+        .unwrap_or(active && has_axis && !massless);
+    for (key, value) in [("active", active), ("rotor", rotor), ("massless", massless)] {
+        if value && !has_axis {
+            let what = format!("a {} joint cannot have {key} = true", joint.name());
             return Err(section.fault(Code::Contradiction, key, what).hint(format!(
                 "leave {key} out, or make the joint revolute or prismatic"
             )));
+        }
+    }
+    for key in ["inertia", "rotor"] {
+        if massless && (key == "inertia" || rotor) && section.table.contains_key(key) {
+            let what = format!("a massless link has no {key}: it only stands between two motions");
+            return Err(section.fault(Code::Contradiction, key, what));
         }
     }
     let joint_name = section.name("joint_name")?;
@@ -239,6 +267,7 @@ fn link(
         joint,
         active,
         rotor,
+        massless,
         limits: None,
     })
 }
@@ -247,17 +276,13 @@ fn joint_kind(section: &Section) -> Result<JointKind, FormatError> {
     let Some(kind) = section.string("joint")? else {
         return Ok(JointKind::Revolute);
     };
-    match kind {
-        "revolute" => Ok(JointKind::Revolute),
-        "prismatic" => Ok(JointKind::Prismatic),
-        "fixed" => Ok(JointKind::Fixed),
-        other => {
-            let what = format!("unknown joint type {}", quoted(other));
-            Err(section
-                .fault(Code::JointType, "joint", what)
-                .hint("write \"revolute\", \"prismatic\" or \"fixed\""))
-        }
-    }
+    let known = JointKind::ALL.into_iter().find(|k| k.name() == kind);
+    known.ok_or_else(|| {
+        let what = format!("unknown joint type {}", quoted(kind));
+        section
+            .fault(Code::JointType, "joint", what)
+            .hint("write \"revolute\", \"prismatic\", \"fixed\" or, for a base, \"floating\"")
+    })
 }
 
 fn antecedent(section: &Section, previous: Option<&str>) -> Result<Option<String>, FormatError> {
@@ -297,7 +322,7 @@ fn placement(
         rpy: vector("rpy", Quantity::parse_angle)?,
     };
     let axis = match section.vector("axis", Quantity::parse_number, constants)? {
-        Some(axis) if joint != JointKind::Fixed && axis.iter().all(|x| x.value == 0.0) => {
+        Some(axis) if joint.has_axis() && axis.iter().all(|x| x.value == 0.0) => {
             let what = "the joint axis is zero";
             return Err(section
                 .fault(Code::ZeroAxis, "axis", what)
@@ -317,7 +342,7 @@ fn one() -> Quantity {
 }
 
 /// gamma and b default to 0 (a chain has neither), and so does the constant to which the
-/// joint variable is added; the others must be written.
+/// joint variable is added; the others must be written. A floating base needs none.
 fn geometry(
     section: &Section,
     joint: JointKind,
@@ -329,7 +354,7 @@ fn geometry(
     };
     let required = |key: &str, read, default: bool| match section.quantity(key, read, constants)? {
         Some(value) => Ok(value),
-        None if default => Ok(Quantity::zero()),
+        None if default || joint == JointKind::Floating => Ok(Quantity::zero()),
         None => {
             let what = format!("{key} is missing");
             let hint = format!("write {key} = 0 if it is zero");

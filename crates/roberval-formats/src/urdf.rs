@@ -6,6 +6,7 @@ mod inertia;
 mod joint;
 mod link;
 mod node;
+mod planar;
 mod prescan;
 mod tree;
 mod write;
@@ -34,14 +35,17 @@ pub struct UrdfOptions {
     /// Keep fixed joints as links of their own; the default is to lump a link on a fixed
     /// joint into its parent.
     pub keep_fixed: bool,
+    /// Let the root link move freely, unless the file has a floating joint; the default is
+    /// that it stands still.
+    pub floating: bool,
 }
 
 /// Reads a URDF. `source_name` names the text in messages, and the robot where the text
 /// gives no name. Meshes and everything that is no link and no joint are ignored, no
 /// other file is opened.
 ///
-/// The root link and what is fixed to it are the base. The others are numbered depth
-/// first, joints in file order. Inertial parameters are about the origin of the link's
+/// The root link and what is fixed to it are the base, unless it floats. The others are
+/// numbered depth first, joints in file order. Inertial parameters are about the origin of the link's
 /// frame and in that frame; they include the links lumped into it.
 ///
 /// # Errors
@@ -131,7 +135,7 @@ fn check_format(root: &Element) -> Result<(), FormatError> {
         "sdf" | "gazebo" => ("this is SDF, not URDF", "convert the model to URDF"),
         "mujoco" => (
             "this is MJCF (MuJoCo), not URDF",
-            "the roberval of Python reads it: pip install roberval mujoco",
+            "the Python package reads it where mujoco is installed: pip install mujoco",
         ),
         "html" => (
             "this is a web page, not a robot file",

@@ -49,6 +49,8 @@ fn the_catalogue_has_the_robots_that_the_documentation_names() {
         ("ur5", 6),
         ("ur10", 6),
         ("torso", 9),
+        ("four_bar", 3),
+        ("delta", 11),
     ] {
         assert_eq!(joints(name), count, "{name}");
     }
@@ -261,6 +263,7 @@ fn link(number: usize) -> impl Strategy<Value = LinkDescription> {
                 geometry: Geometry::Mdh(Box::new(geometry)),
                 inertia,
                 limits: None,
+                massless: false,
             }
         },
     )
@@ -291,6 +294,7 @@ fn couples(links: &[LinkDescription], factors: Vec<Option<(String, String)>>) ->
             joint: link.name.clone(),
             terms: vec![term],
             offset: read(&offset),
+            expression: None,
         })
     };
     moving.zip(factors).filter_map(couple).collect()
@@ -334,4 +338,14 @@ proptest! {
         again.warnings.clear(); // what a reader notices is not part of the robot
         prop_assert_eq!(again, robot, "{}", text);
     }
+}
+
+#[test]
+fn a_couple_by_an_expression_is_written_and_read_the_same() {
+    let text = "[[link]]\nname = \"left arm\"\nalpha = 0\nd = 0\nr = 0\n\
+                [[link]]\nname = \"b\"\nalpha = 0\nd = 1\nr = 0\n\
+                [[couple]]\njoint = \"b\"\nexpression = 'atan2(sin(q[\"left arm\"]), 2)'\n";
+    let robot = read(text);
+    assert!(!robot.links[1].active && !robot.links[1].rotor);
+    assert_eq!(read(&to_toml(&robot).unwrap()).couples, robot.couples);
 }

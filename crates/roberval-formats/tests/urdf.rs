@@ -5,8 +5,14 @@ use proptest::prelude::*;
 use roberval_formats::{RobotDescription, UrdfOptions, parse_urdf};
 use roberval_mechanism::{Geometry, JointKind, LinkDescription, Origin, SourceFormat};
 
-const LUMPED: UrdfOptions = UrdfOptions { keep_fixed: false };
-const KEPT: UrdfOptions = UrdfOptions { keep_fixed: true };
+const LUMPED: UrdfOptions = UrdfOptions {
+    keep_fixed: false,
+    floating: false,
+};
+const KEPT: UrdfOptions = UrdfOptions {
+    keep_fixed: true,
+    floating: false,
+};
 const SMALL: &str = include_str!("data/small.urdf");
 
 fn read(text: &str, options: UrdfOptions) -> RobotDescription {

@@ -1,7 +1,7 @@
 //! Row echelon form modulo a prime, grown row by row: rank, leftmost independent
 //! columns and relations without a tolerance.
 
-use roberval_scalar::{Fp, Modulus};
+use roberval_scalar::{Fp, Modulus, cancellation_point};
 
 /// The row space of the rows seen so far, in echelon form.
 ///
@@ -62,6 +62,7 @@ impl<'m> Echelon<'m> {
     /// If the row does not have one entry a column.
     pub fn insert(&mut self, row: &[Fp<'_>]) -> bool {
         assert_eq!(row.len(), self.cols, "one entry a column");
+        cancellation_point();
         let mut entries: Vec<u64> = row.iter().map(|x| x.raw()).collect();
         for j in 0..self.cols {
             if entries[j] == 0 {
@@ -102,6 +103,7 @@ impl<'m> Echelon<'m> {
     pub fn relations(&self) -> Vec<Vec<Fp<'m>>> {
         let mut reduced = self.leading.clone();
         for j in (0..self.cols).rev() {
+            cancellation_point();
             let Some(mut row) = reduced[j].take() else {
                 continue;
             };

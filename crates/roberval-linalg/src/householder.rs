@@ -1,6 +1,8 @@
 //! Householder elimination from left to right: the one loop behind staircase QR, plain QR,
 //! the reduction of a tall matrix to its triangle, and the least squares solution of `W1 beta = W2`.
 
+use roberval_scalar::cancellation_point;
+
 use crate::Matrix;
 use crate::scale::{add_multiple, dot, norm};
 
@@ -35,6 +37,7 @@ pub(crate) fn eliminate(w: &Matrix, mut takes_row: impl FnMut(usize, f64) -> boo
     };
     let mut x = vec![0.0; rows];
     for j in 0..cols {
+        cancellation_point();
         let rank = form.kept.len();
         x.copy_from_slice(w.col(j));
         form.apply_q_transposed(&mut x);

@@ -1,5 +1,7 @@
 //! One-sided Jacobi SVD: slow, simple and accurate; the fallback behind faer's.
 
+use roberval_scalar::cancellation_point;
+
 use crate::scale::{dot, norm};
 use crate::{LinalgError, Matrix};
 
@@ -44,6 +46,7 @@ fn sweep(work: &mut Matrix, v: &mut Matrix, floor: f64) -> bool {
     let small = n as f64 * f64::EPSILON;
     let mut rotated = false;
     for p in 0..n {
+        cancellation_point();
         for q in p + 1..n {
             let (alpha, beta) = (norm(work.col(p)), norm(work.col(q)));
             let gamma = dot(work.col(p), work.col(q));

@@ -1,6 +1,8 @@
 //! The relations `W2 = W1 beta` between deleted and kept columns, eq. (17) and eq. (27),
 //! with an entrywise error bound that tells coefficients from rounding dust.
 
+use roberval_scalar::cancellation_point;
+
 use crate::householder::{Echelon, eliminate};
 use crate::scale::{equilibrate, norm, unscale_relations};
 use crate::{LinalgError, Matrix, Svd};
@@ -72,6 +74,7 @@ pub fn relations_qr(
     let norms: Vec<f64> = (0..w1.cols()).map(|k| w1.column_norm(k)).collect();
     let (rows, b) = (w1.rows(), w1.cols());
     for j in 0..deleted.len() {
+        cancellation_point();
         let data = DATA_ERROR * (w2.column_norm(j) + weighted(&norms, beta.col(j)));
         // Dust need not be refined: starting from 0 is as close, and most of beta is dust.
         for (beta, row) in beta.col_mut(j).iter_mut().zip(&pseudo_inverse) {

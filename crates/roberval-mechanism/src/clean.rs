@@ -47,7 +47,7 @@ pub struct Cleaned {
 /// `Display`: `joint3 rpy[0] = 1.5708 is 3.7e-6 rad from pi/2`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
-    /// The link that the number places; `None` for gravity. A fixed joint that was lumped
+    /// The link that the number places; `None` for gravity and for frames of loops. A fixed joint that was lumped
     /// may place several links: this is the first.
     pub link: Option<String>,
     /// The joint whose origin or axis it is, where the format has joint names.
@@ -185,9 +185,15 @@ fn change(
     became: Quantity,
     size: f64,
 ) -> Change {
-    let Place { link, field, .. } = literal.place;
+    let Place {
+        link,
+        field,
+        in_loop,
+        ..
+    } = literal.place;
     let link = match field {
         Field::Gravity(_) => None,
+        _ if in_loop => None,
         _ => description.links.get(link),
     };
     let joint = match literal.origin {
@@ -226,6 +232,13 @@ fn merged(changes: Vec<Change>) -> Vec<Change> {
 }
 
 impl Change {
+    /// The loop whose frame the number places, from 0, and which of its two frames.
+    #[must_use]
+    pub fn loop_frame(&self) -> Option<(usize, usize)> {
+        let place = self.places.first().filter(|p| p.in_loop)?;
+        Some((place.link, place.origin))
+    }
+
     /// Whether only the last digit of a double changes: 1.5707963267948966 to pi/2, a
     /// length of 1e-17 m to 0. Such changes need no reader's attention.
     #[must_use]

@@ -1,11 +1,12 @@
 //! All joint variables from the independent ones.
 
 use std::collections::{BTreeMap, HashMap};
+use std::convert::Infallible;
 
 use num_traits::Zero;
-use roberval_scalar::{Expr, LinearInPi, Quantity};
+use roberval_scalar::{Expr, Formula, LinearInPi, Quantity};
 
-use crate::{CoupleError, JointKind, RobotDescription};
+use crate::{CoupleError, RobotDescription};
 
 /// q = F(qa): how the n joint variables of the tree follow from m independent ones.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +15,8 @@ pub struct Closure {
     pub independent: Vec<usize>,
     /// The law of each of the n variables.
     pub laws: Vec<VariableLaw>,
+    /// The variables that follow by expressions, each after those that it follows.
+    pub formulas: Vec<usize>,
 }
 
 /// How one joint variable follows.
@@ -23,6 +26,8 @@ pub enum VariableLaw {
     Independent(usize),
     /// It is a sum of multiples.
     Affine(AffineLaw),
+    /// It follows by an expression of other variables, given by their places in q.
+    Formula(Formula<usize>),
     /// It follows from loops, which have to be closed.
     Implicit,
 }
@@ -49,33 +54,48 @@ impl Closure {
             return Ok(None);
         }
         let couples = Couples::of(robot)?;
-        let resolved = couples.in_order()?.into_iter().try_fold(
-            HashMap::new(),
-            |mut known, couple| -> Result<_, CoupleError> {
-                let sum = couples.resolve(couple, &known)?;
-                known.insert(couples.dependent[couple], sum);
-                Ok(known)
-            },
-        )?;
-        let moving = order
-            .iter()
-            .filter(|l| robot.links[**l].joint != JointKind::Fixed);
-        let moving: Vec<usize> = moving.copied().collect();
-        let mut place = HashMap::new();
-        let mut independent = Vec::new();
-        for (variable, link) in moving.iter().enumerate() {
-            if !resolved.contains_key(link) {
-                place.insert(*link, independent.len());
-                independent.push(variable);
+        let order_of_couples = couples.in_order()?;
+        let mut resolved: HashMap<usize, Sum> = HashMap::new();
+        let mut formulas: HashMap<usize, Formula<usize>> = HashMap::new();
+        let mut in_turn = Vec::new();
+        for couple in order_of_couples {
+            let link = couples.dependent[couple];
+            match couples.formula(couple, |source| formulas.contains_key(&source))? {
+                Some(formula) => {
+                    formulas.insert(link, formula);
+                    in_turn.push(link);
+                }
+                None => {
+                    let sum = couples.resolve(couple, &resolved)?;
+                    resolved.insert(link, sum);
+                }
             }
         }
-        let law = |link: &usize| match resolved.get(link) {
-            None => VariableLaw::Independent(place[link]),
-            Some(sum) => VariableLaw::Affine(sum.law(&place)),
+        let variables = |&l: &usize| std::iter::repeat_n(l, robot.links[l].joint.dof());
+        let moving: Vec<usize> = order.iter().flat_map(variables).collect();
+        let variable: HashMap<usize, usize> = moving.iter().copied().zip(0..).collect();
+        let mut place = HashMap::new();
+        let mut independent = Vec::new();
+        for (at, &link) in moving.iter().enumerate() {
+            if !resolved.contains_key(&link) && !formulas.contains_key(&link) {
+                place.insert(link, independent.len());
+                independent.push(at);
+            }
+        }
+        let mut places = 0..independent.len();
+        let law = |link: &usize| match (resolved.get(link), formulas.get(link)) {
+            (Some(sum), _) => Some(VariableLaw::Affine(sum.law(&place))),
+            (None, Some(formula)) => {
+                let mut name = |link: &usize| Ok::<_, Infallible>(variable[link]);
+                let Ok(formula) = formula.rename(&mut name);
+                Some(VariableLaw::Formula(formula))
+            }
+            (None, None) => places.next().map(VariableLaw::Independent),
         };
         Ok(Some(Self {
-            laws: moving.iter().map(law).collect(),
+            laws: moving.iter().filter_map(law).collect(),
             independent,
+            formulas: in_turn.iter().map(|link| variable[link]).collect(),
         }))
     }
 }
@@ -107,6 +127,8 @@ struct Couples<'d> {
     sources: Vec<Vec<usize>>,
     /// The couple of a link's joint.
     couple_of: HashMap<usize, usize>,
+    /// Links by name.
+    links: HashMap<&'d str, usize>,
 }
 
 impl<'d> Couples<'d> {
@@ -119,9 +141,10 @@ impl<'d> Couples<'d> {
                 name: name.to_owned(),
             };
             let link = *links.get(name).ok_or_else(unknown)?;
-            if robot.links[link].joint == JointKind::Fixed {
+            let kind = robot.links[link].joint;
+            if !kind.has_axis() {
                 let name = robot.joint_label(link).to_owned();
-                return Err(CoupleError::Fixed { couple, name });
+                return Err(CoupleError::NoAxis { couple, name, kind });
             }
             Ok(link)
         };
@@ -130,6 +153,7 @@ impl<'d> Couples<'d> {
             dependent: Vec::new(),
             sources: Vec::new(),
             couple_of: HashMap::new(),
+            links: HashMap::new(),
         };
         for (couple, written) in robot.couples.iter().enumerate() {
             let link = find(couple, &written.joint)?;
@@ -141,11 +165,15 @@ impl<'d> Couples<'d> {
                     name,
                 });
             }
-            let terms = written.terms.iter();
-            let sources = terms.map(|term| find(couple, &term.joint));
+            let mut names: Vec<&String> = written.terms.iter().map(|t| &t.joint).collect();
+            if let Some(expression) = &written.expression {
+                names.extend(expression.formula.joints());
+            }
+            let sources = names.into_iter().map(|name| find(couple, name));
             all.dependent.push(link);
             all.sources.push(sources.collect::<Result<_, _>>()?);
         }
+        all.links = links;
         Ok(all)
     }
 
@@ -197,15 +225,51 @@ impl<'d> Couples<'d> {
         }
     }
 
+    /// The couple as an expression of links' joints: where it is written so, or follows a
+    /// joint that does.
+    fn formula(
+        &self,
+        couple: usize,
+        by_formula: impl Fn(usize) -> bool,
+    ) -> Result<Option<Formula<usize>>, CoupleError> {
+        let written = &self.robot.couples[couple];
+        if let Some(expression) = &written.expression {
+            if self.sources[couple].is_empty() {
+                return Err(self.still(couple, "names no joint to follow"));
+            }
+            if !self.robot.loops.is_empty() {
+                let name = self.robot.joint_label(self.dependent[couple]).to_owned();
+                return Err(CoupleError::Loops { couple, name });
+            }
+            let mut find = |name: &String| Ok::<_, Infallible>(self.links[name.as_str()]);
+            let Ok(formula) = expression.formula.rename(&mut find);
+            return Ok(Some(formula));
+        }
+        if !self.sources[couple].iter().any(|&link| by_formula(link)) {
+            return Ok(None);
+        }
+        let start = Formula::Constant(written.offset.clone());
+        let terms = written.terms.iter().zip(&self.sources[couple]);
+        Ok(Some(terms.fold(start, |sum, (term, &link)| {
+            let factor = Box::new(Formula::Constant(term.multiplier.clone()));
+            let product = Formula::Mul(factor, Box::new(Formula::Joint(link)));
+            Formula::Add(Box::new(sum), Box::new(product))
+        })))
+    }
+
+    fn still(&self, couple: usize, what: &str) -> CoupleError {
+        CoupleError::Still {
+            couple,
+            name: self.robot.joint_label(self.dependent[couple]).to_owned(),
+            what: what.to_owned(),
+        }
+    }
+
     /// The couple's joint as a sum over independent joints, those before it being known.
     fn resolve(&self, couple: usize, known: &HashMap<usize, Sum>) -> Result<Sum, CoupleError> {
         let written = &self.robot.couples[couple];
         let name = || self.robot.joint_label(self.dependent[couple]).to_owned();
-        let still = |what: &str| CoupleError::Still {
-            couple,
-            name: name(),
-            what: what.to_owned(),
-        };
+        let still = |what: &str| self.still(couple, what);
         if written.terms.is_empty() {
             return Err(still("names no joint to follow"));
         }

@@ -1,7 +1,9 @@
-use roberval_scalar::Quantity;
+use roberval_scalar::{Formula, Quantity};
+
+use crate::JointKind;
 
 /// A joint whose variable follows from others': q = sum of multiplier * q(term) + offset,
-/// a gear, a parallelogram or a URDF `mimic`.
+/// a gear, a parallelogram or a URDF `mimic`; or an expression of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Couple {
     /// Name of the link that the dependent joint moves.
@@ -10,6 +12,17 @@ pub struct Couple {
     pub terms: Vec<Term>,
     /// Its position where those stand at 0 (rad or m).
     pub offset: Quantity,
+    /// In place of terms and offset, an expression of other joints' variables.
+    pub expression: Option<Expression>,
+}
+
+/// An expression of joint variables, which are named by the links that the joints move.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expression {
+    /// As written.
+    pub text: String,
+    /// As understood.
+    pub formula: Formula<String>,
 }
 
 /// A multiple of a joint's variable.
@@ -32,13 +45,15 @@ pub enum CoupleError {
         /// The name that no joint has.
         name: String,
     },
-    /// A couple names a fixed joint.
-    #[error("a couple names the joint {name:?}, which is fixed: couple joints that move")]
-    Fixed {
+    /// A couple names a joint that is fixed or floats.
+    #[error("a couple names the joint {name:?}, which is {}: couple joints with an axis", kind.name())]
+    NoAxis {
         /// The couple.
         couple: usize,
-        /// The fixed joint.
+        /// The joint.
         name: String,
+        /// What it is.
+        kind: JointKind,
     },
     /// Two couples determine one joint.
     #[error("the joint {name:?} has two couples (numbers {} and {})", first + 1, couple + 1)]
@@ -71,6 +86,16 @@ pub enum CoupleError {
         /// first.
         names: Vec<String>,
     },
+    /// A couple by an expression in a mechanism with loops.
+    #[error(
+        "the joint {name:?} follows others by an expression, which a robot with loops cannot have: describe it as a loop, or by multipliers"
+    )]
+    Loops {
+        /// The couple.
+        couple: usize,
+        /// The joint.
+        name: String,
+    },
     /// A chain of couples whose joint multiplier is too long to be kept exactly, or no
     /// finite number.
     #[error(
@@ -90,10 +115,11 @@ impl CoupleError {
     pub fn couple(&self) -> usize {
         match self {
             Self::Unknown { couple, .. }
-            | Self::Fixed { couple, .. }
+            | Self::NoAxis { couple, .. }
             | Self::Twice { couple, .. }
             | Self::Still { couple, .. }
             | Self::Cycle { couple, .. }
+            | Self::Loops { couple, .. }
             | Self::TooLong { couple, .. } => *couple,
         }
     }

@@ -47,6 +47,21 @@ impl RobotDescription {
         self
     }
 
+    /// The same robot on a base that floats: links that stood on the base stand on a link
+    /// "0" that moves freely and of whose inertia nothing is known. A robot that floats
+    /// already stays as it is.
+    #[must_use]
+    pub fn with_floating_base(mut self) -> Self {
+        if self.links.iter().any(|l| l.joint == JointKind::Floating) {
+            return self;
+        }
+        for link in self.links.iter_mut().filter(|l| l.antecedent.is_none()) {
+            link.antecedent = Some(FLOATING_BASE.to_owned());
+        }
+        self.links.insert(0, LinkDescription::floating(self.format));
+        self
+    }
+
     /// The index of each link's antecedent, `None` for the base, once it is sure that
     /// names are unique, that every antecedent exists and that there is no cycle.
     ///
@@ -162,6 +177,9 @@ pub enum SourceFormat {
     Urdf,
 }
 
+/// The name of a floating base for which the robot file has none.
+const FLOATING_BASE: &str = "0";
+
 /// One link and the joint that moves it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkDescription {
@@ -177,6 +195,9 @@ pub struct LinkDescription {
     pub active: bool,
     /// Whether the joint has a rotor inertia Ia of its own.
     pub rotor: bool,
+    /// Whether there is no body: the link only stands between two motions of one joint
+    /// and has no parameters.
+    pub massless: bool,
     /// Where the link's frame lies on its antecedent.
     pub geometry: Geometry,
     /// The standard parameters XX XY XZ YY YZ ZZ MX MY MZ M Ia about the origin of the
@@ -184,6 +205,40 @@ pub struct LinkDescription {
     pub inertia: [Option<Quantity>; 11],
     /// Lower and upper joint limit (rad or m), where the file gives them.
     pub limits: Option<(f64, f64)>,
+}
+
+impl LinkDescription {
+    /// A base that floats, named "0" and of unknown inertia.
+    #[must_use]
+    pub fn floating(format: SourceFormat) -> Self {
+        let zero = Quantity::zero;
+        let geometry = match format {
+            SourceFormat::Mdh => Geometry::Mdh(Box::new(MdhGeometry {
+                gamma: zero(),
+                b: zero(),
+                alpha: zero(),
+                d: zero(),
+                theta: zero(),
+                r: zero(),
+            })),
+            SourceFormat::Urdf | SourceFormat::Placed => Geometry::Placed {
+                origins: vec![Origin::here(FLOATING_BASE)],
+                axis: [zero(), zero(), zero()],
+            },
+        };
+        Self {
+            name: FLOATING_BASE.to_owned(),
+            joint_name: None,
+            antecedent: None,
+            joint: JointKind::Floating,
+            active: false,
+            rotor: false,
+            massless: false,
+            geometry,
+            inertia: Default::default(),
+            limits: None,
+        }
+    }
 }
 
 /// sigma: what a joint allows.
@@ -195,6 +250,65 @@ pub enum JointKind {
     Prismatic,
     /// sigma = 2: no motion.
     Fixed,
+    /// All motions: the base of a robot that stands on nothing. Its axis has no meaning.
+    Floating,
+}
+
+impl JointKind {
+    /// All kinds.
+    pub const ALL: [Self; 4] = [Self::Revolute, Self::Prismatic, Self::Fixed, Self::Floating];
+
+    /// `revolute`, `prismatic`, `fixed` or `floating`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Revolute => "revolute",
+            Self::Prismatic => "prismatic",
+            Self::Fixed => "fixed",
+            Self::Floating => "floating",
+        }
+    }
+
+    /// Whether there is an axis about or along which the joint moves.
+    #[must_use]
+    pub fn has_axis(self) -> bool {
+        matches!(self, Self::Revolute | Self::Prismatic)
+    }
+
+    /// The motions it allows, each a coordinate of the velocity: those of a floating base
+    /// are along x, y, z and about x, y, z of its own frame.
+    #[must_use]
+    pub fn motions(self) -> &'static [Motion] {
+        use Motion::{Rotation, Translation};
+        match self {
+            Self::Revolute => &[Rotation],
+            Self::Prismatic => &[Translation],
+            Self::Fixed => &[],
+            Self::Floating => &[
+                Translation,
+                Translation,
+                Translation,
+                Rotation,
+                Rotation,
+                Rotation,
+            ],
+        }
+    }
+
+    /// Degrees of freedom.
+    #[must_use]
+    pub fn dof(self) -> usize {
+        self.motions().len()
+    }
+}
+
+/// What a coordinate of the velocity measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Motion {
+    /// rad/s, its row being a moment.
+    Rotation,
+    /// m/s, its row being a force.
+    Translation,
 }
 
 /// Where a link's frame lies on its antecedent.
@@ -242,6 +356,17 @@ pub struct Origin {
 }
 
 impl Origin {
+    /// The placement that changes nothing.
+    #[must_use]
+    pub fn here(joint: &str) -> Self {
+        let zeros = || [(); 3].map(|()| Quantity::zero());
+        Self {
+            joint: joint.to_owned(),
+            xyz: zeros(),
+            rpy: zeros(),
+        }
+    }
+
     /// The placement in doubles: rotation R and position p, so that a point x of the
     /// placed frame is at R x + p.
     #[must_use]

@@ -17,6 +17,7 @@ mod couple;
 mod description;
 mod loops;
 mod mechanism;
+mod names;
 mod order;
 mod parameters;
 mod physical;
@@ -27,10 +28,10 @@ pub use clean::{
 };
 pub use closure::{AffineLaw, Closure, VariableLaw};
 pub use conventions::{Central, Convention};
-pub use couple::{Couple, CoupleError, Term};
+pub use couple::{Couple, CoupleError, Expression, Term};
 pub use description::{
-    Geometry, JointKind, LinkDescription, MdhGeometry, Origin, RobotDescription, SourceFormat,
-    TreeError, find_cycle,
+    Geometry, JointKind, LinkDescription, MdhGeometry, Motion, Origin, RobotDescription,
+    SourceFormat, TreeError, find_cycle,
 };
 pub use loops::{
     Assembly, AssemblyError, Configuration, CoupleLaw, Cut, LinkFrame, Linkage, LoopClosure,

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::clean::{CleanPolicy, Cleaned, clean};
 use crate::{
-    Assembly, AssemblyError, Closure, CoupleError, JointKind, LoopError, ParameterSpace,
+    Assembly, AssemblyError, Closure, CoupleError, JointKind, LoopError, Motion, ParameterSpace,
     RobotDescription, TreeError, order, placement,
 };
 
@@ -55,6 +55,8 @@ pub struct Link {
     pub active: bool,
     /// Whether there is an Ia column.
     pub rotor: bool,
+    /// Whether there are no columns at all: no body, only a motion.
+    pub massless: bool,
     /// Constant rotation from this link's frame to the antecedent's at joint variable 0:
     /// its columns are the axes (s, n, a) of this frame in the antecedent's.
     pub rotation: Matrix3<f64>,
@@ -64,6 +66,59 @@ pub struct Link {
     pub axis: Vector3<f64>,
     /// XX XY XZ YY YZ ZZ MX MY MZ M Ia about the frame's origin, where known.
     pub inertia: [Option<f64>; 11],
+}
+
+impl Link {
+    /// What messages call the joint that moves the link: its own name, or else the link's.
+    #[must_use]
+    pub fn label(&self) -> &str {
+        self.joint_name.as_deref().unwrap_or(&self.name)
+    }
+
+    /// How many standard parameters it has: ten, and Ia if there is a rotor; none without
+    /// a body.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        match (self.massless, self.rotor) {
+            (true, _) => 0,
+            (false, rotor) => 10 + usize::from(rotor),
+        }
+    }
+}
+
+/// A link that floats must be the base of all others.
+fn check_floating(links: &[Link]) -> Result<(), MechanismError> {
+    let Some(floating) = links.iter().find(|l| l.joint == JointKind::Floating) else {
+        return Ok(());
+    };
+    if let Some(antecedent) = floating.antecedent {
+        return Err(MechanismError::FloatingOnLink {
+            link: floating.name.clone(),
+            antecedent: links[antecedent].name.clone(),
+        });
+    }
+    let beside = |l: &&Link| l.antecedent.is_none() && l.name != floating.name;
+    match links.iter().find(beside) {
+        None => Ok(()),
+        Some(other) => Err(MechanismError::BesideFloating {
+            link: other.name.clone(),
+            floating: floating.name.clone(),
+        }),
+    }
+}
+
+/// A link without a body must carry one link.
+fn check_massless(links: &[Link]) -> Result<(), MechanismError> {
+    for (j, link) in links.iter().enumerate().filter(|(_, l)| l.massless) {
+        let carried = links.iter().filter(|l| l.antecedent == Some(j)).count();
+        if carried != 1 {
+            return Err(MechanismError::Massless {
+                link: link.name.clone(),
+                links: carried,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Why a description is not a mechanism.
@@ -86,6 +141,44 @@ pub enum MechanismError {
     /// The links do not form a tree on the base.
     #[error(transparent)]
     Tree(#[from] TreeError),
+    /// A link floats that is not the base of all others.
+    #[error(
+        "link \"{link}\" floats on \"{antecedent}\": only the first link may float, on the base and with all others on it"
+    )]
+    FloatingOnLink {
+        /// The link.
+        link: String,
+        /// Its antecedent.
+        antecedent: String,
+    },
+    /// A link stands on the base beside one that floats.
+    #[error(
+        "link \"{link}\" stands on the base beside the floating link \"{floating}\": all links must stand on the floating one, and be analysed without it if they do not"
+    )]
+    BesideFloating {
+        /// The link.
+        link: String,
+        /// The one that floats.
+        floating: String,
+    },
+    /// Loops on a base that floats.
+    #[error(
+        "the robot \"{robot}\" has loops and floats: roberval analyses either, not both; couples may replace loops"
+    )]
+    FloatingLoops {
+        /// The robot's name.
+        robot: String,
+    },
+    /// A link without a body carries none, or several.
+    #[error(
+        "link \"{link}\" is massless and carries {links} links: one that only stands between two motions carries one"
+    )]
+    Massless {
+        /// The link.
+        link: String,
+        /// How many links it carries.
+        links: usize,
+    },
     /// A couple that cannot be.
     #[error(transparent)]
     Couple(#[from] CoupleError),
@@ -164,6 +257,8 @@ impl Mechanism {
                 placement::link(&description.links[in_file], in_file, antecedent)
             })
             .collect::<Result<Vec<_>, _>>()?;
+        check_floating(&links)?;
+        check_massless(&links)?;
         let closure = Closure::of(description, &order)?;
         let mut mechanism = Self {
             name: description.name.clone(),
@@ -180,20 +275,40 @@ impl Mechanism {
             });
         }
         if !description.loops.is_empty() {
+            if mechanism.is_floating() {
+                return Err(MechanismError::FloatingLoops {
+                    robot: mechanism.name,
+                });
+            }
             mechanism.close_loops(&antecedents)?;
         }
         Ok(mechanism)
     }
 
-    /// Number of joint variables n of the tree (fixed joints have none).
+    /// Number of degrees of freedom n of the tree: a fixed joint has none, a floating base
+    /// six.
     #[must_use]
     pub fn dof(&self) -> usize {
-        self.moving().count()
+        self.motions().count()
     }
 
-    /// The links with a joint variable, in the order of the variables.
+    /// What the velocity of each of the n variables measures.
+    pub fn motions(&self) -> impl Iterator<Item = Motion> {
+        let links = self.links.iter();
+        links.flat_map(|l| l.joint.motions().iter().copied())
+    }
+
+    /// Whether the first link is a base that floats.
+    #[must_use]
+    pub fn is_floating(&self) -> bool {
+        let first = self.links.first();
+        first.is_some_and(|l| l.joint == JointKind::Floating)
+    }
+
+    /// The link of each of the n variables, in their order: a floating one stands six times.
     pub fn moving(&self) -> impl Iterator<Item = &Link> {
-        self.links.iter().filter(|l| l.joint != JointKind::Fixed)
+        let links = self.links.iter();
+        links.flat_map(|l| std::iter::repeat_n(l, l.joint.dof()))
     }
 
     /// Number of independent joint variables m: those that determine all n.
@@ -203,14 +318,43 @@ impl Mechanism {
         self.closure.as_ref().map_or_else(|| self.dof(), all)
     }
 
+    /// Whether all constraints, if there are any, are sums of multiples: those that prime
+    /// fields hold.
+    #[must_use]
+    pub fn is_affine(&self) -> bool {
+        let no_formula = |closure: &Closure| closure.formulas.is_empty();
+        self.assembly.is_none() && self.closure.as_ref().is_none_or(no_formula)
+    }
+
+    /// Number of coordinates of a position: m, or m + 1 for a floating robot, whose attitude
+    /// is a quaternion.
+    #[must_use]
+    pub fn positions(&self) -> usize {
+        self.independent() + usize::from(self.is_floating())
+    }
+
+    /// What the velocity of each of the m independent variables measures.
+    #[must_use]
+    pub fn independent_motions(&self) -> Vec<Motion> {
+        self.of_independent(self.motions().collect())
+    }
+
+    /// The independent ones of what there is for each of the n variables.
+    pub(crate) fn of_independent<T: Clone>(&self, all: Vec<T>) -> Vec<T> {
+        match &self.closure {
+            None => all,
+            Some(closure) => closure
+                .independent
+                .iter()
+                .map(|&v| all[v].clone())
+                .collect(),
+        }
+    }
+
     /// The links whose joints are independent, in the order of the states and torques.
     #[must_use]
     pub fn independent_joints(&self) -> Vec<&Link> {
-        let moving: Vec<&Link> = self.moving().collect();
-        match &self.closure {
-            None => moving,
-            Some(closure) => closure.independent.iter().map(|&v| moving[v]).collect(),
-        }
+        self.of_independent(self.moving().collect())
     }
 
     /// What the description's couples say, of a mechanism with loops or without.
@@ -224,7 +368,7 @@ impl Mechanism {
     /// The standard parameters as columns.
     #[must_use]
     pub fn parameters(&self) -> ParameterSpace {
-        ParameterSpace::new(self.links.iter().map(|l| (l.name.as_str(), l.rotor)))
+        ParameterSpace::new(self.links.iter().map(|l| (l.name.as_str(), l.columns())))
     }
 
     /// The known standard parameters X in column order; what the robot file does not

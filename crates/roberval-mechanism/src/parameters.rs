@@ -69,7 +69,8 @@ pub struct ParameterId {
 }
 
 /// The columns of the regressor: the standard parameters link by link in the paper's
-/// order. A link whose joint has no rotor of its own has ten columns, the others eleven.
+/// order. A link whose joint has no rotor of its own has ten columns, the others eleven, and
+/// one without a body none.
 ///
 /// This is the only place that knows where a parameter's column is.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -80,16 +81,16 @@ pub struct ParameterSpace {
 }
 
 impl ParameterSpace {
-    /// The space of links given by name and by whether they have an `Ia` column.
-    pub fn new<'a>(links: impl IntoIterator<Item = (&'a str, bool)>) -> Self {
+    /// The space of links given by name and by how many of the eleven they have.
+    pub fn new<'a>(links: impl IntoIterator<Item = (&'a str, usize)>) -> Self {
         let mut space = Self {
             ids: Vec::new(),
             labels: Vec::new(),
             first: Vec::new(),
         };
-        for (link, (name, rotor)) in links.into_iter().enumerate() {
+        for (link, (name, count)) in links.into_iter().enumerate() {
             space.first.push(space.ids.len());
-            for kind in &ParameterKind::ALL[..if rotor { 11 } else { 10 }] {
+            for kind in &ParameterKind::ALL[..count] {
                 space.ids.push(ParameterId { link, kind: *kind });
                 space.labels.push(format!("{kind}_{name}"));
             }
@@ -121,7 +122,8 @@ impl ParameterSpace {
         &self.labels
     }
 
-    /// The first column of a link (its `XX`); the other nine follow, then `Ia` if any.
+    /// The first column of a link (its `XX`); the other nine follow, then `Ia` if any. A
+    /// link without parameters has none there.
     #[must_use]
     pub fn first_column(&self, link: usize) -> usize {
         self.first[link]
@@ -148,7 +150,7 @@ mod tests {
 
     #[test]
     fn links_without_rotor_have_ten_columns() {
-        let space = ParameterSpace::new([("a", true), ("b", false), ("c", true)]);
+        let space = ParameterSpace::new([("a", 11), ("b", 10), ("c", 11)]);
         assert_eq!(space.len(), 32);
         assert_eq!(space.first_column(2), 21);
         assert_eq!(space.rotor_column(0), Some(10));

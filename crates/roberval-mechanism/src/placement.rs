@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::{Matrix3, Vector3};
 use roberval_scalar::Quantity;
 
-use crate::{Geometry, JointKind, Link, LinkDescription, MdhGeometry, MechanismError, Origin};
+use crate::{Geometry, Link, LinkDescription, MdhGeometry, MechanismError, Origin};
 
 /// How far, in units of eps, an angle may lie from a multiple of pi/2 and still be the
 /// double nearest to it after a decimal or degree conversion.
@@ -29,7 +29,7 @@ pub(crate) fn link(
     finite(rotation.iter(), &written.name, "the frame's orientation")?;
     finite(origin.iter(), &written.name, "the frame's position")?;
     finite(axis.iter(), &written.name, "the joint axis")?;
-    if axis.norm() == 0.0 && written.joint != JointKind::Fixed {
+    if axis.norm() == 0.0 && written.joint.has_axis() {
         return Err(MechanismError::ZeroAxis {
             link: written.name.clone(),
         });
@@ -50,7 +50,8 @@ pub(crate) fn link(
         antecedent,
         joint: written.joint,
         active: written.active,
-        rotor: written.rotor,
+        rotor: written.rotor && !written.massless,
+        massless: written.massless,
         rotation: without_dust(rotation),
         origin,
         axis: axis.try_normalize(0.0).unwrap_or_else(Vector3::z),

@@ -17,6 +17,7 @@ fn couple(joint: &str, terms: &[(&str, &str)], offset: &str) -> Couple {
         joint: joint.to_owned(),
         terms: terms.iter().map(term).collect(),
         offset: quantity(offset),
+        expression: None,
     }
 }
 

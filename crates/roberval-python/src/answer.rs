@@ -96,6 +96,22 @@ impl Answer {
         Some((s.rank, s.primes, s.seeds, s.failure_probability, s.generic))
     }
 
+    /// Rank, tolerance, smallest kept and largest dropped value, samples and redrawn
+    /// configurations of a decision in pairs of doubles.
+    #[getter]
+    fn precision(&self) -> Option<PrecisionRow> {
+        let p = self.answer.diagnosis.precision.as_ref()?;
+        let values = (p.smallest_kept, p.largest_dropped);
+        Some((p.rank, p.tolerance, values, p.samples, p.redrawn))
+    }
+
+    /// Rank of the tree without constraints, and the columns that they remove.
+    #[getter]
+    fn opened(&self) -> Option<(usize, Vec<usize>)> {
+        let opened = self.answer.diagnosis.opened()?;
+        Some((opened.rank, opened.removed.clone()))
+    }
+
     /// Engine, rank, gap, gap at the structural rank, spectrum and tolerance of each float
     /// engine.
     #[getter]
@@ -172,6 +188,11 @@ impl Answer {
         Ok(tables::base(&self.answer, format))
     }
 
+    /// The text of a certificate.
+    fn certificate(&self, py: Python<'_>) -> PyResult<String> {
+        detached(py, || self.answer.certificate())
+    }
+
     /// The report: one HTML page.
     fn report(&self, py: Python<'_>) -> String {
         py.detach(|| tables::report(&self.answer))
@@ -219,6 +240,7 @@ impl Answer {
 }
 
 type WitnessRow = (&'static str, usize, Option<f64>, Option<f64>, Vec<f64>, f64);
+type PrecisionRow = (usize, f64, (Option<f64>, Option<f64>), usize, usize);
 type StructureRow = (usize, Vec<u64>, Vec<u64>, f64, Vec<String>);
 type LiteralRow = (usize, Vec<(String, usize)>, Vec<(String, usize)>);
 

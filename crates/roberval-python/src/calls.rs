@@ -2,11 +2,14 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread::Builder;
 use std::time::Duration;
 
 use pyo3::prelude::*;
+use roberval_scalar::cancellable;
 
 use crate::errors::{IntoPython, raise};
 
@@ -26,7 +29,7 @@ where
 }
 
 /// As [`detached`] for work of seconds, on a thread of its own: Ctrl-C gives Python back
-/// at once, and what the thread still computes is dropped.
+/// at once, and the thread stops at its next cancellation point.
 pub fn interruptible<T, E>(
     py: Python<'_>,
     work: impl FnOnce() -> Result<T, E> + Send + 'static,
@@ -36,10 +39,16 @@ where
     E: IntoPython + Send + 'static,
 {
     let (sender, mut receiver) = channel();
+    let stop = Arc::new(AtomicBool::new(false));
+    let stopped = Arc::clone(&stop);
     Builder::new().name("roberval".to_owned()).spawn(move || {
-        // Nobody is left to receive after Ctrl-C.
-        let _ = sender.send(catch_unwind(AssertUnwindSafe(work)));
+        let work = || catch_unwind(AssertUnwindSafe(|| cancellable(&stopped, work)));
+        if let Some(ended) = work().map(Result::ok).transpose() {
+            // Nobody is left to receive after Ctrl-C.
+            let _ = sender.send(ended);
+        }
     })?;
+    let _stop = SetOnDrop(stop);
     loop {
         let waited = py.detach(move || {
             let received = receiver.recv_timeout(SIGNALS);
@@ -53,6 +62,15 @@ where
                 return Err(raise(py, "InternalError", "the computing thread ended"));
             }
         }
+    }
+}
+
+/// A flag that is set when this goes: however the waiting ends.
+struct SetOnDrop(Arc<AtomicBool>);
+
+impl Drop for SetOnDrop {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyType;
-use roberval_base::BaseError;
+use roberval_base::{BaseError, CertificateError};
 use roberval_formats::FormatError;
 use roberval_mechanism::MechanismError;
 use roberval_regressor::RegressorError;
@@ -61,7 +61,18 @@ impl IntoPython for RegressorError {
     fn into_python(self, py: Python<'_>) -> PyErr {
         let class = match self {
             Self::Length { .. } => "ShapeError",
-            Self::NotFinite { .. } | Self::NoValue { .. } => "ArrayError",
+            Self::NotFinite { .. } | Self::Quaternion { .. } | Self::NoValue { .. } => "ArrayError",
+        };
+        raise(py, class, &self.to_string())
+    }
+}
+
+impl IntoPython for CertificateError {
+    fn into_python(self, py: Python<'_>) -> PyErr {
+        let class = match self {
+            Self::NotExact => "OptionError",
+            Self::TooLong { .. } | Self::Couple { .. } => "RobotError",
+            Self::Unsure { .. } => "NumericalError",
         };
         raise(py, class, &self.to_string())
     }

@@ -27,6 +27,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<scaling::Scaling>()?;
     module.add_class::<symbols::Symbolic>()?;
     module.add_function(wrap_pyfunction!(robot::catalogue, module)?)?;
+    module.add_function(wrap_pyfunction!(robot::clean_file, module)?)?;
     module.add_function(wrap_pyfunction!(conventions::lint, module)?)?;
     module.add_function(wrap_pyfunction!(conventions::conventions, module)?)?;
     module.add_function(wrap_pyfunction!(conventions::convert, module)?)?;

@@ -81,6 +81,7 @@ fn tolerance(py: Python<'_>, argument: Option<ToleranceArgument>) -> PyResult<To
 #[pyo3(from_item_all)]
 pub struct Reading {
     pub keep_fixed: bool,
+    pub floating: bool,
     rotors: bool,
     snap: String,
     gravity: Option<[String; 3]>,
@@ -93,6 +94,9 @@ impl Reading {
         py: Python<'_>,
         mut description: RobotDescription,
     ) -> PyResult<Mechanism> {
+        if self.floating {
+            description = description.with_floating_base();
+        }
         if !self.rotors {
             description = description.without_rotors();
         }
@@ -103,12 +107,17 @@ impl Reading {
                 })?;
             }
         }
-        let policy = CleanPolicy {
-            mode: snap(py, &self.snap)?,
-            ..CleanPolicy::default()
-        };
+        let policy = policy(py, &self.snap)?;
         Mechanism::cleaned(&description, &policy).map_err(|error| error.into_python(py))
     }
+}
+
+/// How rounded numbers are treated.
+pub fn policy(py: Python<'_>, name: &str) -> PyResult<CleanPolicy> {
+    Ok(CleanPolicy {
+        mode: snap(py, name)?,
+        ..CleanPolicy::default()
+    })
 }
 
 fn snap(py: Python<'_>, name: &str) -> PyResult<CleanMode> {

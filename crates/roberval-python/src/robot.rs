@@ -6,9 +6,9 @@ use numpy::{PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use roberval_base::{base_parameters, base_parameters_at, compare};
 use roberval_formats::{
-    FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml, to_urdf,
+    self as formats, FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml, to_urdf,
 };
-use roberval_mechanism::{JointKind, Mechanism, RobotDescription, SourceFormat};
+use roberval_mechanism::{Couple, Mechanism, RobotDescription, SourceFormat};
 use roberval_regressor::Regressor;
 use roberval_tables as tables;
 
@@ -30,6 +30,8 @@ pub struct Robot {
 }
 
 /// Name, joint name, antecedent, kind, active, rotor of a link.
+type CoupleRow = (String, Vec<(String, String)>, String, Option<String>);
+
 type LinkRow = (
     String,
     Option<String>,
@@ -39,6 +41,9 @@ type LinkRow = (
     bool,
 );
 
+/// Rotation (rows) and origin on the antecedent, and the joint's axis.
+type Placement = ([[f64; 3]; 3], [f64; 3], [f64; 3]);
+
 #[pymethods]
 impl Robot {
     /// A built-in robot by name, or a robot file.
@@ -46,6 +51,7 @@ impl Robot {
     fn load(py: Python<'_>, path_or_name: &str, reading: Reading) -> PyResult<Self> {
         let options = UrdfOptions {
             keep_fixed: reading.keep_fixed,
+            floating: reading.floating,
         };
         let description = detached(py, || load_with(path_or_name, options))?;
         let urdf = match description.format {
@@ -79,6 +85,7 @@ impl Robot {
     fn from_urdf(py: Python<'_>, text: &str, source: &str, reading: Reading) -> PyResult<Self> {
         let options = UrdfOptions {
             keep_fixed: reading.keep_fixed,
+            floating: reading.floating,
         };
         let description = detached(py, || parse_urdf(text, source, options))?;
         Self::of(py, description, Some(text.to_owned()), &reading)
@@ -157,9 +164,46 @@ impl Robot {
         self.regressor.independent()
     }
 
+    /// Number of independent variables.
     #[getter]
     fn dof(&self) -> usize {
-        self.regressor.dof()
+        self.regressor.independent()
+    }
+
+    /// Joint, the joints it follows with their multipliers, offset, expression.
+    #[getter]
+    fn couples(&self) -> Vec<CoupleRow> {
+        let description = &self.mechanism.description;
+        let label = |name: &str| {
+            let link = description.links.iter().position(|l| l.name == name);
+            link.map_or(name, |l| description.joint_label(l)).to_owned()
+        };
+        let row = |couple: &Couple| {
+            let terms = couple.terms.iter();
+            let terms = terms.map(|t| (label(&t.joint), t.multiplier.text.clone()));
+            (
+                label(&couple.joint),
+                terms.collect(),
+                couple.offset.text.clone(),
+                couple.expression.as_ref().map(|e| e.text.clone()),
+            )
+        };
+        description.couples.iter().map(row).collect()
+    }
+
+    #[getter]
+    fn positions(&self) -> usize {
+        self.regressor.positions()
+    }
+
+    /// The coordinates of q, of qd and the rows of d.
+    #[getter]
+    fn coordinates(&self) -> [Vec<String>; 3] {
+        [
+            self.mechanism.position_names(),
+            self.mechanism.velocity_names(),
+            self.mechanism.row_names(),
+        ]
     }
 
     #[getter]
@@ -168,16 +212,11 @@ impl Robot {
         links
             .iter()
             .map(|link| {
-                let joint = match link.joint {
-                    JointKind::Revolute => "revolute",
-                    JointKind::Prismatic => "prismatic",
-                    JointKind::Fixed => "fixed",
-                };
                 (
                     link.name.clone(),
                     link.joint_name.clone(),
                     link.antecedent.map(|a| links[a].name.clone()),
-                    joint,
+                    link.joint.name(),
                     link.active,
                     link.rotor,
                 )
@@ -188,7 +227,7 @@ impl Robot {
     /// Of each link: rotation (rows) and origin on its antecedent at joint variable 0, and
     /// the joint's axis in the link's frame.
     #[getter]
-    fn placements(&self) -> Vec<([[f64; 3]; 3], [f64; 3], [f64; 3])> {
+    fn placements(&self) -> Vec<Placement> {
         let links = self.mechanism.links.iter();
         links
             .map(|l| {
@@ -262,6 +301,36 @@ impl Robot {
         })
     }
 
+    /// The states of all joints of the tree, N x n numbers each.
+    fn expand<'py>(
+        &self,
+        py: Python<'py>,
+        q: PyReadonlyArray2<'_, f64>,
+        qd: PyReadonlyArray2<'_, f64>,
+        qdd: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<Vec<Bound<'py, PyArray1<f64>>>> {
+        let samples = OwnedStates::copy(&q, &qd, &qdd)?.into_samples();
+        let all = detached(py, || self.regressor.expand(samples.states()))?;
+        Ok(all.into_iter().map(|x| PyArray1::from_vec(py, x)).collect())
+    }
+
+    /// The loops: their sides and the joint that was cut.
+    #[getter]
+    fn loops(&self) -> Vec<([String; 2], &'static str)> {
+        let loops = self.mechanism.description.loops.iter();
+        let side = |side: &Option<String>| side.clone().unwrap_or_else(|| "base".to_owned());
+        loops
+            .map(|l| (l.between.each_ref().map(side), l.cut.name()))
+            .collect()
+    }
+
+    /// A closed configuration of all joints, which names the branch.
+    #[getter]
+    fn closed(&self) -> Option<Vec<f64>> {
+        let assembly = self.mechanism.assembly.as_ref()?;
+        Some(assembly.start.clone())
+    }
+
     /// The base parameters, at random samples or at those given.
     #[pyo3(signature = (options, q=None, qd=None, qdd=None))]
     fn base_parameters(
@@ -329,6 +398,24 @@ impl Robot {
             None => &self.mechanism.description,
         }
     }
+}
+
+/// The text of a robot file with its rounded numbers set right; what was changed, and what
+/// was left alone, in sentences.
+#[pyfunction]
+pub fn clean_file(
+    py: Python<'_>,
+    path_or_name: &str,
+    snap: &str,
+) -> PyResult<(String, Vec<String>, Vec<String>)> {
+    let policy = options::policy(py, snap)?;
+    let (text, changes, near) = detached(py, || formats::clean_file(path_or_name, &policy))?;
+    let changed = changes.iter().filter(|change| !change.is_last_digit());
+    Ok((
+        text,
+        changed.map(ToString::to_string).collect(),
+        near.iter().map(ToString::to_string).collect(),
+    ))
 }
 
 /// Name, title and source of each built-in robot.

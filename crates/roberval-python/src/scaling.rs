@@ -59,6 +59,7 @@ pub fn search(
     match signal {
         Some(error) => Err(error),
         None => Ok(Scaling {
+            positions: mechanism.positions(),
             dof: mechanism.independent(),
             scaling: result?,
         }),
@@ -68,6 +69,7 @@ pub fn search(
 /// Samples, W at them and what they gain.
 #[pyclass(frozen, module = "roberval._core")]
 pub struct Scaling {
+    positions: usize,
     dof: usize,
     scaling: base::Scaling,
 }
@@ -77,7 +79,7 @@ type Grade = (f64, f64, f64, usize, Option<f64>);
 
 #[pymethods]
 impl Scaling {
-    /// q, qd, qdd, each N x n.
+    /// q, qd, qdd, each N x n (q of a floating robot N x (n + 1)).
     #[allow(clippy::type_complexity)] // three arrays
     fn samples<'py>(
         &self,
@@ -88,12 +90,13 @@ impl Scaling {
         Bound<'py, PyArray2<f64>>,
     )> {
         let samples = &self.scaling.samples;
-        let shape = [samples.count, self.dof];
-        let array = |values: &[f64]| PyArray1::from_slice(py, values).reshape(shape);
+        let array = |values: &[f64], width: usize| {
+            PyArray1::from_slice(py, values).reshape([samples.count, width])
+        };
         Ok((
-            array(&samples.q)?,
-            array(&samples.qd)?,
-            array(&samples.qdd)?,
+            array(&samples.q, self.positions)?,
+            array(&samples.qd, self.dof)?,
+            array(&samples.qdd, self.dof)?,
         ))
     }
 

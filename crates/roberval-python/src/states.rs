@@ -18,6 +18,8 @@ pub struct OwnedStates {
     q: Vec<f64>,
     qd: Vec<f64>,
     qdd: Vec<f64>,
+    /// Coordinates of q, and of qd and qdd.
+    positions: usize,
     dof: usize,
 }
 
@@ -27,12 +29,12 @@ impl OwnedStates {
         qd: &PyReadonlyArray2<'_, f64>,
         qdd: &PyReadonlyArray2<'_, f64>,
     ) -> PyResult<Self> {
-        let dof = q.shape()[1];
         Ok(Self {
+            positions: q.shape()[1],
+            dof: qd.shape()[1],
             q: q.to_vec()?,
             qd: qd.to_vec()?,
             qdd: qdd.to_vec()?,
-            dof,
         })
     }
 
@@ -40,7 +42,7 @@ impl OwnedStates {
     pub fn into_samples(self) -> Samples {
         Samples {
             redrawn: 0,
-            count: self.q.len() / self.dof.max(1),
+            count: self.q.len() / self.positions.max(1),
             q: self.q,
             qd: self.qd,
             qdd: self.qdd,
@@ -61,7 +63,7 @@ impl OwnedStates {
             .map_err(|e| raise(py, "ArrayError", &format!("out cannot be written: {e}")))?;
         let out = out.as_slice_mut()?;
         let samples = (BLOCK / size.max(1)).max(1);
-        let count = self.q.len() / self.dof.max(1);
+        let count = self.q.len() / self.positions.max(1);
         for first in (0..count).step_by(samples) {
             let last = (first + samples).min(count);
             let states = self.part(first, last);
@@ -75,7 +77,7 @@ impl OwnedStates {
     fn part(&self, first: usize, last: usize) -> States<'_> {
         let range = first * self.dof..last * self.dof;
         States {
-            q: &self.q[range.clone()],
+            q: &self.q[first * self.positions..last * self.positions],
             qd: &self.qd[range.clone()],
             qdd: &self.qdd[range],
         }

@@ -52,14 +52,17 @@ impl Symbolic {
     }
 }
 
-/// Text, function name, parameters, shape and counts of generated code.
+/// Text, function name, joints, parameters, shape and counts of generated code, and whether
+/// it takes G.
 pub type CodeRow = (
     String,
     String,
     Vec<String>,
+    Vec<String>,
     Vec<usize>,
     [usize; 3],
     [usize; 3],
+    bool,
 );
 
 /// The code of an answer's robot.
@@ -86,9 +89,11 @@ pub fn code(
     Ok((
         text,
         code.function(),
+        code.joints.iter().map(|(name, _)| name.clone()).collect(),
         code.parameters.clone(),
         code.shape(),
         count(code.count()),
         count(code.count_once()),
+        code.takes_transmission(),
     ))
 }

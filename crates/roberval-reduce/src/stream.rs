@@ -459,13 +459,13 @@ impl Reduction {
                 });
             }
         }
-        if let Some((_, values, _)) = weights {
-            if let Some(at) = values.iter().position(|w| *w < 0.0) {
-                return Err(ReduceError::Weight {
-                    at,
-                    value: values[at],
-                });
-            }
+        if let Some((_, values, _)) = weights
+            && let Some(at) = values.iter().position(|w| *w < 0.0)
+        {
+            return Err(ReduceError::Weight {
+                at,
+                value: values[at],
+            });
         }
         Ok(count)
     }

@@ -5,8 +5,8 @@ use crate::lanes::{BadTile, Fill, FillTorques, Form, Pool};
 use crate::packed::Export;
 use crate::sink::SelectedRows;
 use crate::{
-    DenseRows, DynamicsWorkspace, EnergyWorkspace, Expansion, JointMotion, JointStates, NoValue,
-    PackedLayout, Projected, Sink, Torques, Transmission, Tree, dynamics, energy,
+    BaseState, DenseRows, DynamicsWorkspace, EnergyWorkspace, Expansion, JointMotion, JointStates,
+    NoValue, PackedLayout, Projected, Sink, Torques, Transmission, Tree, dynamics, energy,
 };
 
 /// The three models, each linear in the parameters X.
@@ -60,6 +60,16 @@ pub enum RegressorError {
         /// Entries found.
         found: usize,
     },
+    /// The attitude of a floating base is none.
+    #[error(
+        "q[{sample}, 3:7] has length {length}: the attitude of a floating base must be a quaternion (x, y, z, w) of length 1"
+    )]
+    Quaternion {
+        /// Row, from 0.
+        sample: usize,
+        /// Its length.
+        length: f64,
+    },
     /// An entry is NaN or infinite.
     #[error("{array}[{sample}, {joint}] is {value}: joint states must be finite numbers")]
     NotFinite {
@@ -84,10 +94,10 @@ pub enum RegressorError {
 
 /// The regressor of a mechanism over float samples.
 ///
-/// States are row-major: `q`, `qd`, `qdd` hold N x m numbers (rad or m, per s, per s^2),
-/// m being the independent joints in link order: all n moving joints, unless couples make
-/// some depend on others. Rows come as (N, m, C) for d (there G' d) and d0, (N, C) for h,
-/// in C order, so that a reshape gives W.
+/// Rows come as (N, m, C) for d (there G' d) and d0, (N, C) for h, in C order, so that a
+/// reshape gives W. m is the number of independent variables: all n, unless couples make
+/// some depend on others. The first six rows of a floating robot are the force and the
+/// moment on its base, in the base's frame.
 #[derive(Debug, Clone)]
 pub struct Regressor {
     tree: Tree<f64>,
@@ -156,7 +166,7 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.count(self.dof())?;
+        let samples = states.count(self.dof(), self.dof())?;
         let layout = self.packed_layout(model);
         let lanes = self.lanes();
         let expected = layout.len(samples, lanes);
@@ -172,7 +182,7 @@ impl Regressor {
     /// lanes gives them.
     #[must_use]
     pub fn unconstrained(&self) -> Option<&Tree<f64>> {
-        self.expansion.is_none().then_some(&self.tree)
+        (self.expansion.is_none() && !self.tree.is_floating()).then_some(&self.tree)
     }
 
     /// The lanes of batches.
@@ -183,7 +193,7 @@ impl Regressor {
 
     /// Whether batches go by lanes: where joints depend on others G comes with every sample.
     fn in_lanes(&self) -> bool {
-        self.width > Width::Plain && self.expansion.is_none()
+        self.width > Width::Plain && self.unconstrained().is_some()
     }
 
     /// The lanes for so many samples: one lane for one.
@@ -215,23 +225,37 @@ impl Regressor {
         dispatch(width, task).map_err(|bad| states.fault(bad, self.dof()))
     }
 
-    /// Number of joint variables n of the tree.
+    /// Number of degrees of freedom n of the tree.
     #[must_use]
     pub fn dof(&self) -> usize {
         self.tree.dof
     }
 
-    /// Number of independent joint variables m: the states' and the rows'.
+    /// Number of independent variables m: the states' and the rows'.
     #[must_use]
     pub fn independent(&self) -> usize {
         let constrained = self.expansion.as_ref().map(Expansion::independent);
         constrained.unwrap_or(self.tree.dof)
     }
 
+    /// Number of coordinates of q: m, or m + 1 for a floating robot.
+    #[must_use]
+    pub fn positions(&self) -> usize {
+        self.independent() + usize::from(self.tree.is_floating())
+    }
+
     /// The parameters in column order.
     #[must_use]
     pub fn parameters(&self) -> &ParameterSpace {
         &self.space
+    }
+
+    /// The number of samples N, once it is sure that the states fit the robot.
+    ///
+    /// # Errors
+    /// [`RegressorError`] if an array has the wrong length or a state is not finite.
+    pub fn check(&self, states: States<'_>) -> Result<usize, RegressorError> {
+        states.check(self.positions(), self.independent())
     }
 
     /// All columns of a model: fills `out` (N x rows x C).
@@ -246,13 +270,13 @@ impl Regressor {
     ) -> Result<(), RegressorError> {
         let width = self.space.len();
         if self.in_lanes() {
-            let samples = states.count(self.dof())?;
+            let samples = states.count(self.dof(), self.dof())?;
             check_out(model, samples, self.dof(), width, out.len())?;
             let export = &self.exports[family(model)];
             let width = self.width_for(samples);
             return self.run(model, states, Form::Rows(export), width, out);
         }
-        let samples = states.check(self.independent())?;
+        let samples = self.check(states)?;
         check_out(model, samples, self.independent(), width, out.len())?;
         let mut motions = self.motions(model, states);
         let mut rows = Rows::new(&self.tree, &self.space, None);
@@ -277,7 +301,7 @@ impl Regressor {
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
         if self.in_lanes() {
-            let samples = states.count(self.dof())?;
+            let samples = states.count(self.dof(), self.dof())?;
             check_out(model, samples, self.dof(), columns.len(), out.len())?;
             let layout = &self.layouts[family(model)];
             let places = places(columns, self.space.len());
@@ -286,7 +310,7 @@ impl Regressor {
             let width = self.width_for(samples);
             return self.run(model, states, Form::Rows(&export), width, out);
         }
-        let samples = states.check(self.independent())?;
+        let samples = self.check(states)?;
         check_out(model, samples, self.independent(), columns.len(), out.len())?;
         let mut motions = self.motions(model, states);
         let mut rows = Rows::new(&self.tree, &self.space, Some(columns));
@@ -309,19 +333,21 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.check(self.independent())?;
+        let samples = self.check(states)?;
         let width = self.space.len();
         check_out(model, samples, self.independent(), width, out.len())?;
         let tree = self.tree.magnitude();
         let mut motions = self.motions(model, states);
-        let mut sizes = Vec::new();
+        let mut sizes = Motion::default();
         let mut rows = Rows::new(&tree, &self.space, None);
         let size = model.rows(self.independent()) * width;
         let mut magnitudes = vec![Magnitude::default(); size];
         for (sample, out) in out.chunks_exact_mut(size.max(1)).enumerate() {
             let (motion, transmission) = motions.at(sample)?;
-            sizes.clear();
-            sizes.extend(motion.iter().map(JointMotion::magnitude));
+            sizes.base = motion.base.as_ref().map(BaseState::magnitude);
+            sizes.joints.clear();
+            let joints = motion.joints.iter().map(JointMotion::magnitude);
+            sizes.joints.extend(joints);
             let transmission = transmission.map(|g| g.map(Magnitude::of));
             rows.write(model, &sizes, transmission.as_ref(), &mut magnitudes);
             for (out, magnitude) in out.iter_mut().zip(&magnitudes) {
@@ -341,7 +367,7 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.count(self.independent())?;
+        let samples = states.count(self.positions(), self.independent())?;
         check_length("x", self.space.len(), x.len(), "one number a parameter")?;
         check_out(Model::D, samples, self.independent(), 1, out.len())?;
         if self.in_lanes() {
@@ -356,30 +382,69 @@ impl Regressor {
             return dispatch(self.width_for(samples), task)
                 .map_err(|b| states.fault(b, self.dof()));
         }
-        states.check(self.independent())?;
+        self.check(states)?;
         let mut motions = self.motions(Model::D, states);
         let mut workspace = DynamicsWorkspace::new(&self.tree);
         for (sample, torques) in out.chunks_exact_mut(self.independent()).enumerate() {
             torques.fill(0.0);
             let (motion, transmission) = motions.at(sample)?;
+            if let Some(base) = &motion.base {
+                workspace.move_base(&self.tree, base);
+            }
             let mut sink = Torques {
                 space: &self.space,
                 x,
                 torques,
             };
             match transmission {
-                None => dynamics(&self.tree, motion, &mut workspace, &mut sink),
+                None => dynamics(&self.tree, &motion.joints, &mut workspace, &mut sink),
                 Some(transmission) => {
                     let inner = &mut sink;
                     let mut sink = Projected {
                         transmission,
                         inner,
                     };
-                    dynamics(&self.tree, motion, &mut workspace, &mut sink);
+                    dynamics(&self.tree, &motion.joints, &mut workspace, &mut sink);
                 }
             }
         }
         Ok(())
+    }
+
+    /// The states of all n joint variables of the tree, those included that follow others by
+    /// couples or loops: q, qd and qdd, N x n each. A floating base is left out.
+    ///
+    /// # Errors
+    /// [`RegressorError`] if an array has the wrong length, a state is not finite, or the
+    /// constraints have no value there.
+    pub fn expand(&self, states: States<'_>) -> Result<[Vec<f64>; 3], RegressorError> {
+        let m = self.independent();
+        let samples = self.check(states)?;
+        let mut all: [Vec<f64>; 3] = Default::default();
+        let mut expanded = self.expansion.as_ref().map(Expansion::states);
+        let positions = self.positions();
+        for sample in 0..samples {
+            let span = sample * m..(sample + 1) * m;
+            let q = &states.q[sample * positions..(sample + 1) * positions];
+            let state = [
+                self.tree.variables(q),
+                &states.qd[span.clone()],
+                &states.qdd[span],
+            ];
+            let joints = match (&self.expansion, &mut expanded) {
+                (Some(expansion), Some(expanded)) => {
+                    expansion
+                        .expand(state, expanded)
+                        .map_err(|error| RegressorError::NoValue { sample, error })?;
+                    [&expanded.q[..], &expanded.qd, &expanded.qdd]
+                }
+                _ => state,
+            };
+            all.iter_mut()
+                .zip(joints)
+                .for_each(|(all, x)| all.extend(x));
+        }
+        Ok(all)
     }
 
     fn motions<'a>(&'a self, model: Model, states: States<'a>) -> Motions<'a> {
@@ -390,30 +455,49 @@ impl Regressor {
             still: vec![0.0; self.independent()],
             rest: model == Model::D0,
             states,
-            motion: Vec::new(),
+            motion: Motion::default(),
         }
     }
 }
 
-/// N joint states, row-major.
+/// N states of the m independent variables, row-major.
+///
+/// Coordinates stand in link order (rad or m, per s, per s^2). Those of a floating robot
+/// begin as Pinocchio's do: q with the base's position and attitude x y z qx qy qz qw, qd
+/// with the velocity of the base's origin and its angular velocity, both in the base's
+/// frame, qdd with the rates of these six numbers (the spatial acceleration: the origin's
+/// own is `dv + w x v`).
 #[derive(Debug, Clone, Copy)]
 pub struct States<'a> {
-    /// Positions, N x n.
+    /// Positions, N x m, or N x (m + 1) for a floating robot.
     pub q: &'a [f64],
-    /// Velocities, N x n.
+    /// Velocities, N x m.
     pub qd: &'a [f64],
-    /// Accelerations, N x n (h does not look at them).
+    /// Accelerations, N x m (h does not look at them).
     pub qdd: &'a [f64],
 }
 
+/// A quaternion is scaled to length 1 if it is as near to it as this: numbers written with
+/// three digits are, and an attitude in other coordinates hardly ever.
+const QUATERNION_ROUNDING: f64 = 1e-2;
+
 impl States<'_> {
+    /// The arrays with their widths, for so many coordinates of a position and of a velocity.
+    fn arrays(&self, positions: usize, velocities: usize) -> [(&'static str, &[f64], usize); 3] {
+        [
+            ("q", self.q, positions),
+            ("qd", self.qd, velocities),
+            ("qdd", self.qdd, velocities),
+        ]
+    }
+
     /// The number of samples N, if the lengths agree.
-    fn count(&self, dof: usize) -> Result<usize, RegressorError> {
-        let samples = self.q.len() / dof;
-        for (array, values) in [("q", self.q), ("qd", self.qd), ("qdd", self.qdd)] {
-            if values.len() != samples * dof {
-                let shape = format!("{samples} samples x {dof} joints");
-                check_length(array, samples * dof, values.len(), &shape)?;
+    fn count(&self, positions: usize, velocities: usize) -> Result<usize, RegressorError> {
+        let samples = self.q.len() / positions;
+        for (array, values, width) in self.arrays(positions, velocities) {
+            if values.len() != samples * width {
+                let shape = format!("{samples} samples x {width} coordinates");
+                check_length(array, samples * width, values.len(), &shape)?;
             }
         }
         Ok(samples)
@@ -440,19 +524,51 @@ impl States<'_> {
     }
 
     /// The number of samples N, all finite.
-    fn check(&self, dof: usize) -> Result<usize, RegressorError> {
-        let samples = self.count(dof)?;
-        for (array, values) in [("q", self.q), ("qd", self.qd), ("qdd", self.qdd)] {
+    fn check(&self, positions: usize, velocities: usize) -> Result<usize, RegressorError> {
+        let samples = self.count(positions, velocities)?;
+        for (array, values, width) in self.arrays(positions, velocities) {
             if let Some(at) = values.iter().position(|x| !x.is_finite()) {
                 return Err(RegressorError::NotFinite {
                     array,
-                    sample: at / dof,
-                    joint: at % dof,
+                    sample: at / width,
+                    joint: at % width,
                     value: values[at],
                 });
             }
         }
+        if positions > velocities {
+            self.check_quaternions(positions)?;
+        }
         Ok(samples)
+    }
+
+    fn check_quaternions(&self, positions: usize) -> Result<(), RegressorError> {
+        for (sample, q) in self.q.chunks_exact(positions).enumerate() {
+            let length = q[3..7].iter().map(|x| x * x).sum::<f64>().sqrt();
+            let near_one = (length - 1.0).abs() <= QUATERNION_ROUNDING;
+            if !near_one {
+                return Err(RegressorError::Quaternion { sample, length });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How base and joints move in one sample.
+#[derive(Debug, Clone)]
+struct Motion<T> {
+    /// A floating robot's base.
+    base: Option<BaseState<T>>,
+    /// One entry a body.
+    joints: Vec<JointMotion<T>>,
+}
+
+impl<T> Default for Motion<T> {
+    fn default() -> Self {
+        Self {
+            base: None,
+            joints: Vec::new(),
+        }
     }
 }
 
@@ -466,23 +582,29 @@ struct Motions<'a> {
     /// Whether velocities count as zero (d0).
     rest: bool,
     states: States<'a>,
-    motion: Vec<JointMotion<f64>>,
+    motion: Motion<f64>,
 }
 
-/// The motion of each body, and G of a mechanism with constraints.
-type Moving<'a> = (&'a [JointMotion<f64>], Option<&'a Transmission<f64>>);
+/// The motion of base and joints, and G of a mechanism with constraints.
+type Moving<'a> = (&'a Motion<f64>, Option<&'a Transmission<f64>>);
 
 impl Motions<'_> {
     fn at(&mut self, sample: usize) -> Result<Moving<'_>, RegressorError> {
         let m = self.still.len();
         let span = sample * m..(sample + 1) * m;
-        let q = &self.states.q[span.clone()];
+        let positions = m + usize::from(self.tree.is_floating());
+        let q = &self.states.q[sample * positions..(sample + 1) * positions];
         let qdd = &self.states.qdd[span.clone()];
         let qd = if self.rest {
             &self.still[..]
         } else {
             &self.states.qd[span]
         };
+        if self.tree.is_floating() {
+            let constants = self.tree.constants;
+            self.motion.base = Some(BaseState::read([q, qd, qdd], constants, f64::recip));
+        }
+        let q = self.tree.variables(q);
         let state = match (self.expansion, &mut self.expanded) {
             (Some(expansion), Some(expanded)) => {
                 expansion
@@ -492,12 +614,13 @@ impl Motions<'_> {
             }
             _ => [q, qd, qdd],
         };
-        self.motion.clear();
-        self.motion.extend(self.tree.bodies.iter().map(|body| {
+        self.motion.joints.clear();
+        let bodies = self.tree.bodies.iter();
+        self.motion.joints.extend(bodies.map(|body| {
             let [q, qd, qdd] = state.map(|x| body.variable.map_or(0.0, |at| x[at]));
             match body.joint {
                 JointKind::Revolute => JointMotion::revolute(q, qd, qdd),
-                JointKind::Prismatic | JointKind::Fixed => JointMotion::prismatic(q, qd, qdd),
+                _ => JointMotion::prismatic(q, qd, qdd),
             }
         }));
         let transmission = self.expanded.as_ref().map(|e| &e.transmission);
@@ -531,7 +654,7 @@ impl<'a, T: Scalar> Rows<'a, T> {
     fn write(
         &mut self,
         model: Model,
-        motion: &[JointMotion<T>],
+        motion: &Motion<T>,
         transmission: Option<&Transmission<T>>,
         rows: &mut [T],
     ) {
@@ -555,10 +678,15 @@ impl<'a, T: Scalar> Rows<'a, T> {
     fn run(
         &mut self,
         model: Model,
-        motion: &[JointMotion<T>],
+        motion: &Motion<T>,
         transmission: Option<&Transmission<T>>,
         sink: &mut impl Sink<T>,
     ) {
+        if let Some(base) = &motion.base {
+            self.dynamics.move_base(self.tree, base);
+            self.energy.move_base(self.tree, base);
+        }
+        let motion = &motion.joints;
         match (model, transmission) {
             (Model::H, _) => energy(self.tree, motion, &mut self.energy, sink),
             (_, None) => dynamics(self.tree, motion, &mut self.dynamics, sink),

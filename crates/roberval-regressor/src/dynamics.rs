@@ -3,7 +3,7 @@ use roberval_scalar::{Lift, Scalar};
 
 use crate::frame::{Frame, General, Layout, Right, with_frame};
 use crate::vector::{Mat3, Vec3, dot, lift3, negative};
-use crate::{Body, JointMotion, Sink, Tree};
+use crate::{BaseState, Body, JointMotion, Sink, Tree};
 
 /// How a body moves, in its own frame.
 #[derive(Debug, Clone, Copy)]
@@ -72,11 +72,21 @@ impl<T: Scalar> DynamicsWorkspace<T> {
             let first = ancestors.len();
             let (from, inherited) = match body.antecedent {
                 Some(a) => {
-                    let own = usize::from(tree.bodies[a].variable.is_some());
+                    let own = usize::from(tree.bodies[a].joint.has_axis());
                     (spans[a].first, spans[a].inherited + own)
                 }
                 None => (first, 0),
             };
+            if body.joint == JointKind::Floating {
+                let one = T::lift(tree.constants.one);
+                unit_screws(zero, one, &mut ancestors, &mut screws);
+                spans.push(Span {
+                    first,
+                    inherited: 6,
+                    from,
+                });
+                continue;
+            }
             ancestors.extend_from_within(from..from + inherited);
             screws.resize(ancestors.len(), Screw { e: zero, v: zero });
             if let Some(row) = body.variable {
@@ -105,13 +115,38 @@ impl<T: Scalar> DynamicsWorkspace<T> {
             spans,
         }
     }
+
+    /// Where the base of a floating robot is and how it moves from now on.
+    pub fn move_base(&mut self, tree: &Tree<T>, base: &BaseState<T>) {
+        let state = &mut self.states[0];
+        (state.w, state.dw, state.a) = (base.w, base.dw, base.acceleration(tree));
+    }
+}
+
+/// The six unit velocities of a base that floats, along and about its axes.
+fn unit_screws<T: Scalar>(
+    zero: Vec3<T>,
+    one: T,
+    ancestors: &mut Vec<Ancestor>,
+    screws: &mut Vec<Screw<T>>,
+) {
+    for row in 0..6 {
+        let mut unit = zero;
+        unit[row % 3] = one;
+        let slides = row < 3;
+        let (e, v) = if slides { (zero, unit) } else { (unit, zero) };
+        ancestors.push(Ancestor { row, slides });
+        screws.push(Screw { e, v });
+    }
 }
 
 /// The rows of the dynamic model d at one state (Gautier 1991, eq. (5)), or of d0 if
 /// all velocities are zero (eq. (8)): `sink` receives, link by link, the ten inertial
 /// columns' entries on every row of the path from the base, then the rotor's.
 ///
-/// `motion` has one entry a body (that of a fixed joint is not looked at).
+/// `motion` has one entry a body (that of a fixed joint is not looked at); the base of a
+/// floating robot is where [`DynamicsWorkspace::move_base`] put it last. Its rows are the
+/// wrench on it, force before moment, in its own frame.
 #[inline(always)]
 pub fn dynamics<C: Copy, T: Lift<C>>(
     tree: &Tree<C>,
@@ -120,10 +155,15 @@ pub fn dynamics<C: Copy, T: Lift<C>>(
     sink: &mut impl Sink<T>,
 ) {
     for (j, (body, motion)) in tree.bodies.iter().zip(motion).enumerate() {
-        with_frame!(body, motion, step, tree, j, motion, workspace);
+        if body.joint != JointKind::Floating {
+            with_frame!(body, motion, step, tree, j, motion, workspace);
+        }
         let state = &mut workspace.states[j];
         let forces = Forces::of(state);
         state.u = forces.u;
+        if body.massless {
+            continue;
+        }
         let Span {
             first, inherited, ..
         } = workspace.spans[j];
@@ -136,7 +176,9 @@ pub fn dynamics<C: Copy, T: Lift<C>>(
             };
             sink.link(j, ancestors[k].row, columns);
         }
-        let Some(row) = body.variable else { continue };
+        let Some(row) = body.variable.filter(|_| body.joint.has_axis()) else {
+            continue;
+        };
         sink.link(j, row, forces.on_own_joint(body, tree.constants.zero));
         if body.rotor {
             sink.rotor(j, row, T::lift(body.axis_squared) * motion.qdd);
@@ -208,7 +250,7 @@ fn forward<C: Copy, T: Lift<C>>(
         JointKind::Prismatic => {
             a = frame.along_axis(frame.across_axis(a, w, qd + qd), qdd);
         }
-        JointKind::Fixed => {}
+        JointKind::Fixed | JointKind::Floating => {}
     }
     frame.give(w, &mut state.w);
     frame.give(dw, &mut state.dw);

@@ -3,7 +3,7 @@ use roberval_scalar::{Lift, Scalar};
 
 use crate::frame::{Frame, General, Layout, Right, with_frame};
 use crate::vector::{Vec3, cross, dot, lift3};
-use crate::{JointMotion, Sink, Tree};
+use crate::{BaseState, JointMotion, Sink, Tree};
 
 /// What the energy of a body needs, in the body's frame.
 #[derive(Debug, Clone, Copy)]
@@ -42,10 +42,21 @@ impl<T: Scalar> EnergyWorkspace<T> {
             states: vec![rest; tree.bodies.len()],
         }
     }
+
+    /// Where the base of a floating robot is and how it moves from now on.
+    pub fn move_base(&mut self, tree: &Tree<T>, base: &BaseState<T>) {
+        self.states[0] = BodyState {
+            w: base.w,
+            v: base.v,
+            g: base.gravity(tree),
+            height: base.height(tree),
+        };
+    }
 }
 
 /// The energy row h at one state (Gautier 1991, eq. (10)): `sink` receives it as row 0,
-/// link by link. Only differences of h between states mean anything.
+/// link by link. Only differences of h between states mean anything. The base of a floating
+/// robot is where [`EnergyWorkspace::move_base`] put it last.
 #[inline(always)]
 pub fn energy<C: Copy, T: Lift<C>>(
     tree: &Tree<C>,
@@ -56,7 +67,12 @@ pub fn energy<C: Copy, T: Lift<C>>(
     let half = T::lift(tree.constants.half);
     for (j, (body, motion)) in tree.bodies.iter().zip(motion).enumerate() {
         let states = &mut workspace.states;
-        with_frame!(body, motion, forward, tree, j, motion, states);
+        if body.joint != JointKind::Floating {
+            with_frame!(body, motion, forward, tree, j, motion, states);
+        }
+        if body.massless {
+            continue;
+        }
         sink.link(j, 0, link_energy(&states[j], half));
         if body.rotor {
             let squared = T::lift(body.axis_squared);
@@ -91,7 +107,7 @@ fn forward<C: Copy, T: Lift<C>>(
     match body.joint {
         JointKind::Revolute => w = frame.along_axis(w, motion.qd),
         JointKind::Prismatic => v = frame.along_axis(v, motion.qd),
-        JointKind::Fixed => {}
+        JointKind::Fixed | JointKind::Floating => {}
     }
     let state = &mut states[j];
     frame.give(w, &mut state.w);

@@ -4,6 +4,7 @@ use roberval_mechanism::{Closure, Mechanism, NotClosed, VariableLaw};
 use roberval_scalar::{Quantity, Real};
 
 use crate::Transmission;
+use crate::formulas::Formulas;
 use crate::loops::LoopExpansion;
 
 /// The state of all n joints, and G.
@@ -25,7 +26,8 @@ pub struct Expansion<T>(Kind<T>);
 
 #[derive(Debug, Clone)]
 enum Kind<T> {
-    Couples(Affine<T>),
+    /// Sums of multiples; where joints follow by expressions, these complete them.
+    Couples(Affine<T>, Formulas<T>),
     Loops(LoopExpansion<T>),
 }
 
@@ -64,8 +66,9 @@ impl Expansion<f64> {
         }
         let closure = mechanism.closure.as_ref()?;
         let value = |quantity: &Quantity| Ok::<_, Infallible>(quantity.value);
-        let Ok(expansion) = Affine::of_closure(closure, value);
-        Some(Self(Kind::Couples(expansion)))
+        let Ok(affine) = Affine::of_closure(closure, value);
+        let Ok(formulas) = Formulas::of(mechanism, closure, value);
+        Some(Self(Kind::Couples(affine, formulas)))
     }
 }
 
@@ -82,8 +85,12 @@ impl<T: Real> Expansion<T> {
             };
             T::of_quantity(quantity, &mechanism.description.constants).ok_or_else(none)
         };
-        let affine = closure.map(|c| Affine::of_closure(c, value)).transpose()?;
-        Ok(affine.map(|affine| Self(Kind::Couples(affine))))
+        let Some(closure) = closure else {
+            return Ok(None);
+        };
+        let affine = Affine::of_closure(closure, value)?;
+        let formulas = Formulas::of(mechanism, closure, value)?;
+        Ok(Some(Self(Kind::Couples(affine, formulas))))
     }
 
     pub(crate) fn of_loops(loops: LoopExpansion<T>) -> Self {
@@ -94,7 +101,7 @@ impl<T: Real> Expansion<T> {
     #[must_use]
     pub fn independent(&self) -> usize {
         match &self.0 {
-            Kind::Couples(affine) => affine.independent,
+            Kind::Couples(affine, _) => affine.independent,
             Kind::Loops(loops) => loops.independent(),
         }
     }
@@ -104,7 +111,7 @@ impl<T: Real> Expansion<T> {
     #[must_use]
     pub fn states(&self) -> JointStates<T> {
         match &self.0 {
-            Kind::Couples(affine) => affine.states(),
+            Kind::Couples(affine, _) => affine.states(),
             Kind::Loops(loops) => loops.states(),
         }
     }
@@ -118,11 +125,20 @@ impl<T: Real> Expansion<T> {
     /// If a slice is shorter than m.
     pub fn expand(&self, state: [&[T]; 3], states: &mut JointStates<T>) -> Result<(), NoValue> {
         match &self.0 {
-            Kind::Couples(affine) => affine.expand(state, states),
+            Kind::Couples(affine, formulas) => {
+                affine.expand(state, states);
+                formulas.expand(states)?;
+            }
             Kind::Loops(loops) => loops.expand(state, states)?,
         }
         Ok(())
     }
+}
+
+/// A row of zeros with all places.
+fn dense<T: Real>(closure: &Closure) -> Vec<(usize, T)> {
+    let places = 0..closure.independent.len();
+    places.map(|place| (place, T::from(0.0))).collect()
 }
 
 impl<T: Real> Affine<T> {
@@ -135,6 +151,8 @@ impl<T: Real> Affine<T> {
         for law in &closure.laws {
             let (row, offset) = match law {
                 VariableLaw::Independent(place) => (vec![(*place, T::from(1.0))], T::from(0.0)),
+                // To be filled at each state.
+                VariableLaw::Formula(_) => (dense(closure), T::from(0.0)),
                 // Mechanisms with loops have no affine expansion.
                 VariableLaw::Implicit => (Vec::new(), T::from(0.0)),
                 VariableLaw::Affine(law) => {

@@ -49,7 +49,7 @@ impl Layout {
         axis: &Vec3<f64>,
     ) -> Self {
         let along = match joint {
-            JointKind::Fixed => Some(2),
+            JointKind::Fixed | JointKind::Floating => Some(2),
             _ => (0..3).find(|&k| {
                 axis[k].abs() == 1.0 && turned(k).iter().all(|&i| axis[i] == 0.0 || i == k)
             }),
@@ -151,7 +151,7 @@ impl<T: Scalar> General<T> {
         let (rotation, origin) = match body.joint {
             JointKind::Revolute => (product(&fixed, &motion.rotation(axis)), origin),
             JointKind::Prismatic => (fixed, add(origin, apply(&fixed, scale(axis, motion.q)))),
-            JointKind::Fixed => (fixed, origin),
+            JointKind::Fixed | JointKind::Floating => (fixed, origin),
         };
         Self {
             rotation,
@@ -237,7 +237,7 @@ impl<T: Scalar, const OFFSETS: u8, const FLIP: bool> Right<T, OFFSETS, FLIP> {
             JointKind::Revolute if aligned.reversed => s = -s,
             JointKind::Prismatic if aligned.reversed != FLIP => p[2] = p[2] - motion.q,
             JointKind::Prismatic => p[2] = p[2] + motion.q,
-            JointKind::Revolute | JointKind::Fixed => {}
+            JointKind::Revolute | JointKind::Fixed | JointKind::Floating => {}
         }
         (c, s) = match aligned.quarters {
             0 => (c, s),

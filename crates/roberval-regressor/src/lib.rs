@@ -10,11 +10,13 @@
 //! * [`Regressor`]: all of it for floats, over many samples and as many lanes of them as
 //!   the processor has; [`PackedLayout`]: the nonzeros alone.
 
+mod base;
 mod batch;
 mod dynamics;
 mod energy;
 mod exact;
 mod expansion;
+mod formulas;
 mod frame;
 mod lanes;
 mod loops;
@@ -27,6 +29,7 @@ mod transmission;
 mod tree;
 mod vector;
 
+pub use base::BaseState;
 pub use batch::{Model, Regressor, RegressorError, States};
 pub use dynamics::{DynamicsWorkspace, dynamics};
 pub use energy::{EnergyWorkspace, energy};

@@ -1,8 +1,10 @@
 //! Loops in the regressor: passive joints from the independent ones.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
-use roberval_mechanism::{Assembly, LinkFrame, Linkage, Mechanism, NotClosed, Pose, couple_laws};
+use roberval_mechanism::{
+    Assembly, LinkFrame, Linkage, Mechanism, NotClosed, Pose, Walk, couple_laws,
+};
 use roberval_scalar::{DoubleDouble, Quantity, Real};
 
 use crate::{JointStates, NotInField, Transmission, Tree};
@@ -13,11 +15,23 @@ use crate::{JointStates, NotInField, Transmission, Tree};
 pub(crate) struct LoopExpansion<T> {
     assembly: Arc<Assembly>,
     linkage: Linkage<T>,
+    /// Configurations on the branch from which others may be reached.
+    landmarks: Arc<OnceLock<Vec<Vec<f64>>>>,
 }
+
+/// Landmarks, and how many of the nearest are tried.
+const LANDMARKS: (usize, usize) = (64, 8);
+
+/// The seed of the walk to the landmarks.
+const SEED: u64 = 0x1a_4d;
 
 impl<T: Real> LoopExpansion<T> {
     pub fn new(assembly: Arc<Assembly>, linkage: Linkage<T>) -> Self {
-        Self { assembly, linkage }
+        Self {
+            assembly,
+            linkage,
+            landmarks: Arc::default(),
+        }
     }
 
     pub fn independent(&self) -> usize {
@@ -38,9 +52,7 @@ impl<T: Real> LoopExpansion<T> {
 
     pub fn expand(&self, state: [&[T]; 3], states: &mut JointStates<T>) -> Result<(), NotClosed> {
         let doubles = |x: &[T]| -> Vec<f64> { x.iter().map(|x| x.to_f64()).collect() };
-        let near = self
-            .assembly
-            .reach(&doubles(&states.q), &doubles(state[0]))?;
+        let near = self.reach(&doubles(&states.q), &doubles(state[0]))?;
         let motion = self.linkage.motion(&self.assembly, &near, state)?;
         states.q = motion.q;
         states.qd = motion.qd;
@@ -49,6 +61,34 @@ impl<T: Real> LoopExpansion<T> {
             states.transmission.row_mut(i).copy_from_slice(row);
         }
         Ok(())
+    }
+}
+
+impl<T> LoopExpansion<T> {
+    /// The configuration at qa, from the last one or, where the straight way from there is
+    /// barred, from another on the branch.
+    fn reach(&self, last: &[f64], qa: &[f64]) -> Result<Vec<f64>, NotClosed> {
+        let assembly = &*self.assembly;
+        let first = match assembly.reach(last, qa) {
+            Ok(reached) => return Ok(reached),
+            Err(error) => error,
+        };
+        let landmarks = self.landmarks.get_or_init(|| {
+            let mut walk = Walk::new(assembly, SEED);
+            let walked = std::iter::from_fn(|| walk.next_configuration());
+            let start = std::iter::once(assembly.start.clone());
+            start.chain(walked).take(LANDMARKS.0).collect()
+        });
+        let distance = |q: &[f64]| -> f64 {
+            let each = assembly.independent.iter().zip(qa);
+            each.map(|(&k, x)| (q[k] - x) * (q[k] - x)).sum()
+        };
+        let mut nearest: Vec<(f64, &Vec<f64>)> =
+            landmarks.iter().map(|q| (distance(q), q)).collect();
+        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let nearest = nearest.iter().take(LANDMARKS.1);
+        let reached = nearest.map(|(_, q)| assembly.reach(q, qa));
+        reached.flatten().next().ok_or(first)
     }
 }
 

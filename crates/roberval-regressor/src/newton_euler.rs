@@ -172,7 +172,16 @@ fn moments<T: Scalar>(
     regroup: bool,
 ) -> Vec<Moments<T>> {
     let constants = tree.constants;
+    let zero = constants.zero;
+    let nothing = Moments {
+        second: [[zero; 3]; 3],
+        first: [zero; 3],
+        mass: zero,
+    };
     let of_body = |j: usize| {
+        if tree.bodies[j].massless {
+            return nothing;
+        }
         let &[xx, xy, xz, yy, yz, zz, mx, my, mz, mass] = &x[space.first_column(j)..][..10] else {
             unreachable!("ten parameters");
         };

@@ -1,4 +1,4 @@
-use roberval_mechanism::{JointKind, Link, Mechanism};
+use roberval_mechanism::{JointKind, Mechanism};
 use roberval_scalar::Magnitude;
 
 use crate::frame::Layout;
@@ -24,7 +24,7 @@ pub struct Tree<T> {
     pub gravity: Vec3<T>,
     /// 0, 1 and 1/2.
     pub constants: Constants<T>,
-    /// Number of joint variables n.
+    /// Number of degrees of freedom n: rows of d.
     pub dof: usize,
 }
 
@@ -35,10 +35,13 @@ pub struct Body<T> {
     pub antecedent: Option<usize>,
     /// What the joint allows.
     pub joint: JointKind,
-    /// Index of the joint variable; `None` for a fixed joint.
+    /// Index of the joint's velocity; `None` for a fixed joint. The six of a floating base
+    /// are the first.
     pub variable: Option<usize>,
     /// Whether there is an Ia column.
     pub rotor: bool,
+    /// Whether there are no columns at all.
+    pub massless: bool,
     /// Rotation from this frame to the antecedent's at joint variable 0.
     pub rotation: Mat3<T>,
     /// Origin of this frame in the antecedent's at joint variable 0.
@@ -50,6 +53,22 @@ pub struct Body<T> {
     pub axis_squared: T,
     /// What is known of the placement beyond these numbers.
     pub layout: Layout,
+}
+
+impl<T> Tree<T> {
+    /// Whether the first body is a base that floats.
+    #[must_use]
+    pub fn is_floating(&self) -> bool {
+        let first = self.bodies.first();
+        first.is_some_and(|b| b.joint == JointKind::Floating)
+    }
+
+    /// Of the coordinates of a position, the one of each variable. A floating base has seven
+    /// coordinates and six variables: all joints stand one place further, and what stands
+    /// in its own six places means nothing.
+    pub(crate) fn variables<'q, S>(&self, q: &'q [S]) -> &'q [S] {
+        &q[usize::from(self.is_floating())..]
+    }
 }
 
 impl<T: Copy> Tree<T> {
@@ -65,6 +84,7 @@ impl<T: Copy> Tree<T> {
                     joint: b.joint,
                     variable: b.variable,
                     rotor: b.rotor,
+                    massless: b.massless,
                     rotation: b.rotation.map(|row| vector(&row)),
                     origin: vector(&b.origin),
                     axis: vector(&b.axis),
@@ -98,8 +118,9 @@ impl Tree<f64> {
                 Body {
                     antecedent: link.antecedent,
                     joint: link.joint,
-                    variable: next_variable(link, &mut dof),
+                    variable: next_variable(link.joint, &mut dof),
                     rotor: link.rotor,
+                    massless: link.massless,
                     layout: Layout::of(link.joint, &rotation, &origin, &axis),
                     rotation,
                     origin,
@@ -127,9 +148,9 @@ impl Tree<f64> {
     }
 }
 
-fn next_variable(link: &Link, dof: &mut usize) -> Option<usize> {
-    (link.joint != JointKind::Fixed).then(|| {
-        *dof += 1;
-        *dof - 1
-    })
+/// The first coordinate of a joint, `dof` being the number of those before it.
+pub(crate) fn next_variable(joint: JointKind, dof: &mut usize) -> Option<usize> {
+    let first = *dof;
+    *dof += joint.dof();
+    (joint != JointKind::Fixed).then_some(first)
 }

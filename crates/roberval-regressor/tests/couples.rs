@@ -78,7 +78,7 @@ fn law(robot: &Mechanism) -> Vec<(Vec<f64>, f64)> {
                 row[*place] = 1.0;
                 (row, 0.0)
             }
-            VariableLaw::Implicit => panic!("no loops here"),
+            VariableLaw::Implicit | VariableLaw::Formula(_) => panic!("sums only"),
             VariableLaw::Affine(law) => {
                 for (place, multiplier) in &law.terms {
                     row[*place] = multiplier.value;

@@ -113,7 +113,7 @@ fn world(robot: &Mechanism, state: &State) -> World {
         let mut local = link.rotation.to_homogeneous();
         local.fixed_view_mut::<3, 1>(0, 3).copy_from(&link.origin);
         let (q, qd, qdd) = match link.joint {
-            JointKind::Fixed => (0.0, 0.0, 0.0),
+            JointKind::Fixed | JointKind::Floating => (0.0, 0.0, 0.0),
             _ => {
                 k += 1;
                 (state.q[k - 1], state.qd[k - 1], state.qdd[k - 1])

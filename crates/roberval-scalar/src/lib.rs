@@ -2,11 +2,14 @@
 //!
 //! * [`Scalar`]: the few operations that the regressor's recursion needs, so that one
 //!   source runs over floats, magnitudes (error bounds), finite fields and expressions.
+//! * [`Formula`]: expressions of joint variables, with their derivatives ([`Jet`]).
 //! * [`Lanes`]: several floats side by side, as many as the processor can take.
 //! * [`Decimal`], [`Expr`], [`Quantity`]: numbers as the user wrote them, kept exactly.
 
+mod cancel;
 mod double_double;
 mod field;
+mod formula;
 mod lanes;
 mod linear;
 mod literal;
@@ -18,8 +21,10 @@ mod real;
 mod scalar;
 pub mod vector;
 
+pub use cancel::{Cancelled, cancellable, cancellation_point};
 pub use double_double::DoubleDouble;
 pub use field::{Fp, Modulus};
+pub use formula::{Formula, Jet};
 pub use lanes::{Lanes, MAX_LANES, Task, Width, dispatch, dispatch_one};
 pub use linear::LinearInPi;
 pub use literal::{

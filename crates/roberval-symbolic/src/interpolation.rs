@@ -77,7 +77,7 @@ pub(crate) fn interpolate<'m>(
         .iter()
         .enumerate()
         .map(|(at, point)| {
-            let powers = monomials.iter().map(|m| power(m, point));
+            let powers = monomials.iter().map(|m| power(modulus, m, point));
             powers.chain(values.iter().map(|list| list[at])).collect()
         })
         .collect();

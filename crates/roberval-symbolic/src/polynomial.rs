@@ -55,7 +55,7 @@ impl Polynomial {
         for (monomial, coefficient) in &self.terms {
             let denominator = modulus.big(coefficient.denom()).inverse()?;
             let coefficient = modulus.big(coefficient.numer()) * denominator;
-            sum = sum + coefficient * power(monomial, at);
+            sum = sum + coefficient * power(modulus, monomial, at);
         }
         Some(sum)
     }
@@ -73,11 +73,9 @@ impl Polynomial {
 }
 
 /// The value of a monomial.
-pub(crate) fn power<'m>(monomial: &[u8], at: &[Fp<'m>]) -> Fp<'m> {
-    let one = at
-        .first()
-        .map(|x| x.modulus().integer(1))
-        .expect("there are variables");
+pub(crate) fn power<'m>(modulus: &'m Modulus, monomial: &[u8], at: &[Fp<'m>]) -> Fp<'m> {
     let powers = monomial.iter().zip(at).filter(|(e, _)| **e > 0);
-    powers.fold(one, |product, (e, x)| product * x.pow(u64::from(*e)))
+    powers.fold(modulus.integer(1), |product, (e, x)| {
+        product * x.pow(u64::from(*e))
+    })
 }

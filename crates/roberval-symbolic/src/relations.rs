@@ -10,7 +10,7 @@ use roberval_scalar::{Fp, Modulus, SplitMix64};
 use crate::field::{Oracle, Value};
 use crate::interpolation::{Shape, interpolate};
 use crate::naming::{Named, Naming, SymbolKind};
-use crate::polynomial::{Monomial, Polynomial, Variable};
+use crate::polynomial::{Monomial, Polynomial, Variable, power};
 use crate::rules::Origin;
 use crate::special::{Special, special};
 
@@ -122,7 +122,7 @@ pub fn symbolic_relations(
     mechanism: &Mechanism,
     options: &SymbolicOptions,
 ) -> Result<SymbolicRelations, SymbolicError> {
-    if mechanism.assembly.is_some() {
+    if !mechanism.is_affine() {
         return Err(SymbolicError::Loops);
     }
     let named = Named::new(&mechanism.description, options.naming);
@@ -358,15 +358,11 @@ impl<'a, 'm> Samples<'a, 'm> {
         let count = monomials.len() + CHECKS;
         self.sample(count, random)?;
         let points = &self.points[..count];
-        let one = self.modulus.integer(1);
         let values: Vec<Vec<Fp<'m>>> = entries
             .iter()
             .map(|&(i, j)| {
                 let value = |(run, point): (&Run, &Vec<Fp<'m>>)| {
-                    let below = match point.is_empty() {
-                        true => one,
-                        false => crate::polynomial::power(denominator, point),
-                    };
+                    let below = power(self.modulus, denominator, point);
                     self.modulus.element(run.beta[i][j]) * below
                 };
                 self.runs[..count].iter().zip(points).map(value).collect()
@@ -464,10 +460,7 @@ impl Coefficient {
         else {
             return matches!(self, Self::Open(_));
         };
-        let below = match at.is_empty() {
-            true => modulus.integer(1),
-            false => crate::polynomial::power(denominator, at),
-        };
+        let below = power(modulus, denominator, at);
         numerator.value(modulus, at) == Some(modulus.element(residue) * below)
     }
 }

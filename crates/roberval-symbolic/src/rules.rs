@@ -151,8 +151,16 @@ impl<'m> Rules<'_, 'm> {
         let tree = self.tree;
         let mut turnings: Vec<Turning<'m>> = Vec::new();
         for (j, body) in tree.bodies.iter().enumerate() {
+            if body.joint == JointKind::Floating {
+                turnings.push(Turning::Freely);
+                continue;
+            }
             let parent = body.antecedent.map_or(Turning::Never, |a| turnings[a]);
             let turning = self.turning(body, parent);
+            if body.massless {
+                turnings.push(turning);
+                continue;
+            }
             match turning {
                 Turning::Never => self.never_turns(j),
                 Turning::About(e) => self.one_direction(j, e),
@@ -354,13 +362,20 @@ impl<'m> Rules<'_, 'm> {
                 all.push(mass);
                 (Origin::FixedJoint, all)
             }
+            JointKind::Floating => return,
         };
         all.iter().for_each(|own| self.share(origin, j, own));
     }
 
-    /// Moments that can be link j's or its antecedent's.
+    /// Moments that can be link j's or its antecedent's, if that has a body.
     fn share(&mut self, origin: Origin, j: usize, own: &Moments<Fp<'m>>) {
         let body = &self.tree.bodies[j];
+        if body
+            .antecedent
+            .is_some_and(|a| self.tree.bodies[a].massless)
+        {
+            return;
+        }
         let mut vector = self.zeros();
         self.put(&mut vector, j, own);
         if let Some(antecedent) = body.antecedent {

@@ -5,6 +5,8 @@ use roberval_mechanism::{Couple, Link, Mechanism};
 use roberval_scalar::Quantity;
 use serde_json::{Value, json};
 
+use crate::loops;
+
 /// Longer lists of couples and parameters end with their number.
 const MOST_SHOWN: usize = 12;
 
@@ -14,58 +16,69 @@ pub(crate) fn lines(mechanism: &Mechanism) -> Vec<String> {
     if mechanism.closure.is_none() {
         return Vec::new();
     }
-    let independent = mechanism.independent_joints();
-    let names: Vec<String> = independent.iter().map(|link| label(link)).collect();
+    let independent = independent(mechanism);
+    let names: Vec<String> = independent.map(|l| l.label().to_owned()).collect();
     let couples = &mechanism.description.couples;
     let couples: Vec<String> = couples.iter().map(|c| equation(mechanism, c)).collect();
-    vec![
-        format!(
-            "{} of {} joints are independent: {}",
-            names.len(),
-            mechanism.dof(),
-            shortened(&names)
-        ),
-        format!("Couples: {}", shortened(&couples)),
-    ]
+    let mut lines = vec![format!(
+        "{} of {} joints are independent: {}",
+        names.len(),
+        mechanism.moving().filter(|l| l.joint.has_axis()).count(),
+        shortened(&names)
+    )];
+    if !couples.is_empty() {
+        lines.push(format!("Couples: {}", shortened(&couples)));
+    }
+    lines.extend(loops::lines(mechanism));
+    lines
 }
 
-/// What the couples remove beyond the tree.
+/// What couples and loops remove beyond the tree.
 pub(crate) fn removed(answer: &BaseParameters) -> Option<String> {
-    let Opened { rank, removed } = answer.diagnosis.structure.as_ref()?.opened.as_ref()?;
+    let Opened { rank, removed } = answer.diagnosis.opened()?;
+    let constraints = match answer.mechanism.assembly {
+        None => "couples",
+        Some(_) => "loops",
+    };
     let space = answer.mechanism.parameters();
     let labels: Vec<String> = removed.iter().map(|&c| space.labels()[c].clone()).collect();
     Some(format!(
-        "The tree without couples has {rank} base parameters; they remove {}: {}",
+        "The tree without {constraints} has {rank} base parameters; they remove {}: {}",
         labels.len(),
         shortened(&labels)
     ))
 }
 
-/// `{"independent": [joint], "couples": [{"joint", "equation"}]}`; null where all joints are
+/// `{"independent": [joint], "couples": [{"joint", "equation"}], "loops"}`; null where all joints are
 /// independent.
 pub(crate) fn json(mechanism: &Mechanism) -> Value {
     if mechanism.closure.is_none() {
         return Value::Null;
     }
-    let independent = mechanism.independent_joints();
     let couples = mechanism.description.couples.iter();
     let couples = couples.map(|c| json!({"joint": c.joint, "equation": equation(mechanism, c)}));
     json!({
-        "independent": independent.iter().map(|link| &link.name).collect::<Vec<_>>(),
+        "independent": independent(mechanism).map(|link| &link.name).collect::<Vec<_>>(),
         "couples": couples.collect::<Vec<_>>(),
+        "loops": loops::json(mechanism),
     })
 }
 
-fn label(link: &Link) -> String {
-    link.joint_name.as_ref().unwrap_or(&link.name).clone()
+/// The links on independent joints, without a base that floats.
+fn independent(mechanism: &Mechanism) -> impl Iterator<Item = &Link> {
+    let joints = mechanism.independent_joints().into_iter();
+    joints.filter(|link| link.joint.has_axis())
 }
 
 /// `q(2) = q(3) - 1/2 q(4) + 3*pi`, as written.
 fn equation(mechanism: &Mechanism, couple: &Couple) -> String {
     let name = |name: &str| {
         let link = mechanism.links.iter().find(|link| link.name == name);
-        format!("q({})", link.map_or(name.to_owned(), label))
+        format!("q({})", link.map_or(name, Link::label))
     };
+    if let Some(expression) = &couple.expression {
+        return format!("{} = {}", name(&couple.joint), expression.text);
+    }
     let mut sum = String::new();
     for term in &couple.terms {
         let joint = name(&term.joint);

@@ -15,6 +15,7 @@ mod escape;
 mod json;
 mod latex;
 mod lint;
+mod loops;
 mod markdown;
 mod number;
 mod orders;

@@ -8,13 +8,10 @@ use crate::number::shortest;
 /// `6 joints (6 revolute), gravity (0, 0, -9.81) m/s^2`
 pub(crate) fn joints_and_gravity(mechanism: &Mechanism) -> String {
     let count = |kind| mechanism.links.iter().filter(|l| l.joint == kind).count();
-    let kinds =
-        [JointKind::Revolute, JointKind::Prismatic, JointKind::Fixed].map(|kind| {
-            match count(kind) {
-                0 => None,
-                n => Some(format!("{n} {}", kind_name(kind))),
-            }
-        });
+    let kinds = JointKind::ALL.map(|kind| match count(kind) {
+        0 => None,
+        n => Some(format!("{n} {}", kind.name())),
+    });
     let kinds: Vec<String> = kinds.into_iter().flatten().collect();
     let links = mechanism.links.len();
     let gravity: Vec<String> = mechanism.gravity.iter().map(|&g| shortest(g)).collect();
@@ -26,14 +23,6 @@ pub(crate) fn joints_and_gravity(mechanism: &Mechanism) -> String {
     )
 }
 
-pub(crate) fn kind_name(kind: JointKind) -> &'static str {
-    match kind {
-        JointKind::Revolute => "revolute",
-        JointKind::Prismatic => "prismatic",
-        JointKind::Fixed => "fixed",
-    }
-}
-
 /// `{"name", "gravity", "links": [{"index", "name", "joint", "type", "antecedent"}]}`;
 /// `joint` is null where joints have no names, `antecedent` is null for the base.
 pub(crate) fn json(mechanism: &Mechanism) -> Value {
@@ -42,7 +31,7 @@ pub(crate) fn json(mechanism: &Mechanism) -> Value {
             "index": j + 1,
             "name": link.name,
             "joint": link.joint_name,
-            "type": kind_name(link.joint),
+            "type": link.joint.name(),
             "antecedent": link.antecedent.map(|a| &mechanism.links[a].name),
         })
     });

@@ -74,10 +74,10 @@ pub(crate) fn json(mechanism: &Mechanism, options: &ScalingOptions, scaling: &Sc
         .iter()
         .map(|&c| &space.labels()[c])
         .collect();
-    let (samples, dof) = (&scaling.samples, mechanism.independent().max(1));
-    let rows = |array: &[f64]| {
+    let (samples, dof) = (&scaling.samples, mechanism.independent());
+    let rows = |array: &[f64], width: usize| {
         array
-            .chunks_exact(dof)
+            .chunks_exact(width.max(1))
             .map(|row| json!(row))
             .collect::<Value>()
     };
@@ -93,9 +93,9 @@ pub(crate) fn json(mechanism: &Mechanism, options: &ScalingOptions, scaling: &Sc
         "row_S": scaling.row_s,
         "columns": columns,
         "samples": {
-            "q": rows(&samples.q),
-            "qd": rows(&samples.qd),
-            "qdd": rows(&samples.qdd),
+            "q": rows(&samples.q, mechanism.positions()),
+            "qd": rows(&samples.qd, dof),
+            "qdd": rows(&samples.qdd, dof),
         },
         "warnings": mechanism.description.warnings,
     }))
@@ -115,20 +115,17 @@ fn grade(grade: &Grade) -> Value {
 pub(crate) fn csv(mechanism: &Mechanism, scaling: &Scaling) -> String {
     let (samples, dof) = (&scaling.samples, mechanism.independent());
     let arrays = [
-        ("q", &samples.q),
-        ("qd", &samples.qd),
-        ("qdd", &samples.qdd),
+        (&samples.q, mechanism.positions()),
+        (&samples.qd, dof),
+        (&samples.qdd, dof),
     ];
-    let titles = arrays
-        .iter()
-        .flat_map(|(name, _)| (1..=dof).map(move |j| format!("{name}_{j}")));
     let rows = (0..samples.count).map(|i| {
-        let row = |array: &[f64]| array[i * dof..(i + 1) * dof].to_vec();
         arrays
             .iter()
-            .flat_map(|(_, array)| row(array))
+            .flat_map(|(array, width)| array[i * width..(i + 1) * width].to_vec())
             .map(exact)
             .collect()
     });
-    csv_text(std::iter::once(titles.collect()).chain(rows))
+    let titles = mechanism.state_titles().concat();
+    csv_text(std::iter::once(titles).chain(rows))
 }

@@ -1,6 +1,6 @@
 //! A robot as it is understood, with its geometry as written.
 
-use roberval_mechanism::{Geometry, Link, LinkDescription, Mechanism, ParameterKind};
+use roberval_mechanism::{Geometry, JointKind, Link, LinkDescription, Mechanism, ParameterKind};
 
 use crate::document::{Block, Column, Document, Item, Table};
 use crate::escape::csv_cell;
@@ -17,8 +17,8 @@ pub(crate) fn document(mechanism: &Mechanism) -> Document {
     let mut lines = vec![
         robot::joints_and_gravity(mechanism),
         format!(
-            "{} joint variables, {} standard parameters",
-            mechanism.dof(),
+            "{}, {} standard parameters",
+            variables(mechanism),
             mechanism.parameters().len()
         ),
     ];
@@ -43,6 +43,21 @@ pub(crate) fn document(mechanism: &Mechanism) -> Document {
     blocks
 }
 
+/// `6 joint variables`, with the rows of a base where there is one.
+fn variables(mechanism: &Mechanism) -> String {
+    let n = mechanism.dof();
+    if !mechanism.is_floating() {
+        return format!("{n} joint variables");
+    }
+    let rows = mechanism.row_names();
+    format!(
+        "{} joint variables and a base with 6; rows {} .. {} are the force and moment on it, in its frame",
+        n - 6,
+        rows[0],
+        rows[5]
+    )
+}
+
 /// The links in parameter order, each with its description.
 fn described(mechanism: &Mechanism) -> impl Iterator<Item = (&Link, &LinkDescription)> {
     let links = mechanism.links.iter();
@@ -56,26 +71,32 @@ fn antecedent(mechanism: &Mechanism, link: &Link) -> String {
 
 fn links(mechanism: &Mechanism) -> Table {
     let space = mechanism.parameters();
-    let mut variable = 0;
+    let mut variables = 0;
     let rows = mechanism.links.iter().enumerate().map(|(j, link)| {
         let first = space.first_column(j);
-        let count = if link.rotor { 11 } else { 10 };
-        let moves = link.joint != roberval_mechanism::JointKind::Fixed;
-        variable += usize::from(moves);
+        let count = link.columns();
+        let numbers = match link.joint {
+            JointKind::Floating => 7,
+            kind => kind.dof(),
+        };
+        variables += numbers;
         let yes = |yes: bool| Item::text(if yes { "yes" } else { "" });
         vec![
             Item::text(&link.name),
             Item::text(antecedent(mechanism, link)),
             Item::text(link.joint_name.as_deref().unwrap_or("")),
-            Item::text(robot::kind_name(link.joint)),
-            Item::text(if moves {
-                format!("q_{variable}")
-            } else {
-                String::new()
+            Item::text(link.joint.name()),
+            Item::text(match numbers {
+                0 => String::new(),
+                1 => format!("q_{variables}"),
+                n => format!("q_{}..q_{variables}", variables + 1 - n),
             }),
             yes(link.active),
             yes(link.rotor),
-            Item::text(format!("{}..{}", first + 1, first + count)),
+            Item::text(match count {
+                0 => String::new(),
+                _ => format!("{}..{}", first + 1, first + count),
+            }),
         ]
     });
     Table {
@@ -220,7 +241,7 @@ pub(crate) fn csv(mechanism: &Mechanism) -> String {
             csv_cell(&link.name),
             csv_cell(antecedent),
             csv_cell(link.joint_name.as_deref().unwrap_or("")),
-            robot::kind_name(link.joint).to_owned(),
+            link.joint.name().to_owned(),
             link.active.to_string(),
             link.rotor.to_string(),
         ];

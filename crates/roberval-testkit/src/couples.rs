@@ -43,6 +43,7 @@ pub fn coupled(mut robot: RobotDescription, seed: u64) -> RobotDescription {
             joint: robot.links[link].name.clone(),
             terms,
             offset: offset(kind, &mut random),
+            expression: None,
         });
         let all: Vec<usize> = (0..robot.links.len()).collect();
         if Closure::of(&robot, &all).is_err() {

@@ -54,6 +54,39 @@ impl Default for Family {
     }
 }
 
+/// A joint in the plane at right angles to the link's own axis, in place of the joint of
+/// a link with a URDF placement: the link follows two that have no body.
+pub fn make_planar(robot: &mut RobotDescription, link: usize) {
+    let turn = &mut robot.links[link];
+    let Geometry::Placed { axis, .. } = &mut turn.geometry else {
+        panic!("a URDF placement")
+    };
+    let unit = |k: usize| std::array::from_fn(|i| decimal(i64::from(i == k), 0));
+    *axis = unit(2);
+    let mut slide = turn.clone();
+    turn.joint = JointKind::Revolute;
+    turn.rotor = false;
+    turn.geometry = Geometry::Placed {
+        origins: Vec::new(),
+        axis: unit(2),
+    };
+    slide.joint = JointKind::Prismatic;
+    slide.massless = true;
+    let mut slides = [slide.clone(), slide];
+    for (k, slide) in slides.iter_mut().enumerate() {
+        slide.name.push_str([".x", ".y"][k]);
+        if let Geometry::Placed { axis, .. } = &mut slide.geometry {
+            *axis = unit(k);
+        }
+    }
+    slides[1].antecedent = Some(slides[0].name.clone());
+    if let Geometry::Placed { origins, .. } = &mut slides[1].geometry {
+        origins.clear();
+    }
+    turn.antecedent = Some(slides[1].name.clone());
+    robot.links.splice(link..link, slides);
+}
+
 impl Family {
     /// The robot of this family with this seed.
     #[must_use]
@@ -96,6 +129,7 @@ impl Family {
             rotor: moves && random.uniform(0.0, 1.0) < 0.8,
             geometry: self.geometry(j, random),
             inertia: std::array::from_fn(|_| Some(decimal(random.below(2000) as i64 - 1000, -3))),
+            massless: false,
             limits: None,
         }
     }

@@ -1,7 +1,7 @@
 """MuJoCo models.
 
 A body with several joints becomes several links, the first ones massless; a ball joint becomes
-three hinges; bodies without joints are lumped into their parents. The frame of a link lies at
+three hinges; a free joint makes a base that floats if all other joints are on it; bodies without joints are lumped into their parents. The frame of a link lies at
 its joint, in the axes of its body.
 """
 
@@ -18,7 +18,7 @@ from ..arrays import Array
 from ..conventions import convention
 from ..errors import RobotError
 from . import Text, missing, placed
-from .placed import Couple, Link
+from .placed import Couple, Link, Loop
 
 
 def library() -> Any:
@@ -69,12 +69,14 @@ def from_model(model: Any, fallback: str) -> Text:
     reader = Reader(model)
     for body in range(1, model.nbody):
         reader.body(body)
-    couples = list(reader.couples())
+    couples, loops = reader.constraints()
+    if loops:
+        reader.driven()
     names = bytes(model.names)
     name = names[: names.index(b"\0")].decode("utf-8", "replace") or fallback
     if name == "MuJoCo Model":
         name = fallback
-    text = placed.toml(name, model.opt.gravity, reader.links, couples)
+    text = placed.toml(name, model.opt.gravity, reader.links, couples, loops)
     return Text("toml", text, tuple(reader.warnings))
 
 
@@ -87,6 +89,9 @@ class Reader:
         self.links: list[Link] = []
         self.by_joint: dict[int, Link] = {}
         self.warnings: list[str] = []
+        roots = {int(model.body_rootid[body]) for body in model.jnt_bodyid}
+        free = model.jnt_type == self.mujoco.mjtJoint.mjJNT_FREE
+        self.floats = len(roots) == 1 and bool(free.any())
         self.taken: set[str] = set()
         # The link that a body belongs to, and the body's frame on it.
         self.place: dict[int, tuple[Link | None, Array, Array]] = {
@@ -148,39 +153,86 @@ class Reader:
                 )
                 for ending, direction in zip(("_x", "_y", "_z"), np.eye(3), strict=True):
                     yield joint, "revolute", direction, anchor, ending
+            elif self.floats:
+                yield joint, "floating", axis, np.zeros(3), ""
             else:
                 self.warnings.append(
                     f"free joint {self.name('joint', joint)!r} of body"
                     f" {self.name('body', body)!r}: the body is held still as the base"
                 )
 
-    def couples(self) -> Iterator[Couple]:
-        """Give the equality constraints that couples hold; the others are warned of."""
+    def constraints(self) -> tuple[list[Couple], list[Loop]]:
+        """Read the equality constraints that couples and loops hold; warn of the others."""
         model, kinds = self.model, self.mujoco.mjtEq
+        couples, loops = [], []
         for number in range(model.neq):
-            name = self.name("equality", number)
-            kind = model.eq_type[number]
-            first, second = int(model.eq_obj1id[number]), int(model.eq_obj2id[number])
+            name, kind = self.name("equality", number), model.eq_type[number]
             if not model.eq_active0[number]:
                 self.warnings.append(f"equality {name!r} is not active: left out")
-                continue
-            if kind != kinds.mjEQ_JOINT or second < 0:
-                what = self.mujoco.mjtEq(kind).name.removeprefix("mjEQ_").lower()
+            elif kind == kinds.mjEQ_JOINT:
+                if (couple := self.couple(number)) is not None:
+                    couples.append(couple)
+                else:
+                    self.warnings.append(
+                        f"equality {name!r} is no straight line between two single joints:"
+                        " not applied"
+                    )
+            elif (loop := self.loop(number)) is not None:
+                loops.append(loop)
+            else:
+                what = kinds(kind).name.removeprefix("mjEQ_").lower()
                 self.warnings.append(
                     f"equality {name!r} ({what}) is not applied: the joints move freely"
                 )
-                continue
-            offset, slope, *higher = model.eq_data[number][:5].tolist()
-            ends = self.by_joint.get(first), self.by_joint.get(second)
-            if any(higher) or slope == 0 or None in ends:
-                self.warnings.append(
-                    f"equality {name!r} is no straight line between two single joints: not applied"
-                )
-                continue
-            dependent, free = ends
-            assert dependent is not None
-            assert free is not None
-            yield Couple(dependent.name, {free.name: slope}, offset)
+        return couples, loops
+
+    def couple(self, number: int) -> Couple | None:
+        """Read an equality of two joints: q1 = a0 + a1 q2."""
+        model = self.model
+        dependent = self.by_joint.get(int(model.eq_obj1id[number]))
+        free = self.by_joint.get(int(model.eq_obj2id[number]))
+        offset, slope, *higher = model.eq_data[number][:5].tolist()
+        if any(higher) or slope == 0 or dependent is None or free is None:
+            return None
+        return Couple(dependent.name, {free.name: slope}, offset)
+
+    def loop(self, number: int) -> Loop | None:
+        """Read a connect or weld of two bodies."""
+        model, kinds = self.model, self.mujoco.mjtEq
+        if model.eq_objtype[number] != self.mujoco.mjtObj.mjOBJ_BODY:
+            return None
+        data, one = model.eq_data[number], np.eye(3)
+        if model.eq_type[number] == kinds.mjEQ_CONNECT:
+            cut, ends = "spherical", ((one, data[:3]), (one, data[3:6]))
+        elif model.eq_type[number] == kinds.mjEQ_WELD:
+            cut, ends = "fixed", ((matrix(data[6:10]), data[3:6]), (one, data[:3]))
+        else:
+            return None
+        places = [
+            self.place[int(model.eq_obj1id[number])],
+            self.place[int(model.eq_obj2id[number])],
+        ]
+        names = [None if link is None else link.name for link, _, _ in places]
+        if names[0] == names[1]:
+            return None
+        first, second = (
+            (rotation @ turn, origin + rotation @ point)
+            for (_, rotation, origin), (turn, point) in zip(places, ends, strict=True)
+        )
+        return Loop((names[0], names[1]), (first, second), cut)
+
+    def driven(self) -> None:
+        """Let only joints with an actuator be driven: in loops the others follow."""
+        model, kinds = self.model, self.mujoco.mjtTrn
+        at_joints = (int(kinds.mjTRN_JOINT), int(kinds.mjTRN_JOINTINPARENT))
+        with_motor = {
+            int(model.actuator_trnid[a][0])
+            for a in range(model.nu)
+            if int(model.actuator_trntype[a]) in at_joints
+        }
+        if with_motor:
+            for joint, link in self.by_joint.items():
+                link.active = joint in with_motor
 
 
 def matrix(quaternion: Array) -> Array:

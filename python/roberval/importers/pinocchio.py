@@ -50,6 +50,8 @@ class Reader:
         self.links: list[Link] = []
         self.couples: list[Couple] = []
         self.warnings: list[str] = []
+        roots = [joint for joint in range(1, model.njoints) if model.parents[joint] == 0]
+        self.floats = roots == [1] and "FreeFlyer" in model.joints[1].shortname()
         self.taken: set[str] = set()
         self.of_joint: dict[int, Link | None] = {0: None}
         self.bodies: dict[int, str] = {}
@@ -97,6 +99,9 @@ class Reader:
     def steps(self, joint: Any, name: str) -> Iterator[tuple[str, Array, Any, str]]:
         """Give kind, axis, placement and name's ending of each single motion of a joint."""
         kind = joint.shortname()
+        if "FreeFlyer" in kind and self.floats:
+            yield "floating", np.zeros(3), None, ""
+            return
         if "FreeFlyer" in kind:
             self.warnings.append(f"free-flyer joint {name!r}: its body is held still as the base")
             return

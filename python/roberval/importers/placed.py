@@ -35,6 +35,7 @@ class Link:
     axis: Array
     inertia: Array = field(default_factory=lambda: np.zeros(10))
     armature: float = 0.0
+    active: bool = True
 
 
 @dataclass
@@ -44,6 +45,15 @@ class Couple:
     joint: str
     terms: dict[str, float]
     offset: float
+
+
+@dataclass
+class Loop:
+    """A cut joint between two links (None: the base): a rotation and a point on each."""
+
+    between: tuple[str | None, str | None]
+    frames: tuple[tuple[Array, Array], tuple[Array, Array]]
+    cut: str
 
 
 def moved(ten: Array, rotation: Array, p: Array) -> Array:
@@ -70,7 +80,11 @@ def roll_pitch_yaw(rotation: Array) -> tuple[float, float, float]:
 
 
 def toml(
-    name: str, gravity: Sequence[float], links: Sequence[Link], couples: Sequence[Couple]
+    name: str,
+    gravity: Sequence[float],
+    links: Sequence[Link],
+    couples: Sequence[Couple],
+    loops: Sequence[Loop] = (),
 ) -> str:
     """Write robot TOML."""
     lines = [f"name = {string(name)}", f"gravity = {vector(gravity)}"]
@@ -79,7 +93,8 @@ def toml(
         values = ", ".join(
             f"{kind} = {number(x)}" for kind, x in zip(KINDS, link.inertia, strict=True)
         )
-        rotor = f", Ia = {number(link.armature)}" if link.armature else ""
+        driven = link.joint != "floating" and link.armature
+        rotor = f", Ia = {number(link.armature)}" if driven else ""
         lines += [
             "",
             "[[link]]",
@@ -92,6 +107,8 @@ def toml(
             f"axis = {vector(link.axis)}",
             f"inertia = {{ {values}{rotor} }}",
         ]
+        if not link.active:
+            lines += ["active = false", f"rotor = {'true' if link.armature else 'false'}"]
     for couple in couples:
         terms = ", ".join(f"{string(link)} = {number(x)}" for link, x in couple.terms.items())
         lines += [
@@ -100,6 +117,21 @@ def toml(
             f"joint = {string(couple.joint)}",
             f"equals = {{ {terms} }}",
             f"offset = {number(couple.offset)}",
+        ]
+    near = ", ".join(f"{string(link.name)} = 0" for link in links)
+    for loop in loops:
+        between = ", ".join(string("base" if link is None else link) for link in loop.between)
+        frames = ", ".join(
+            f"{{ xyz = {vector(point)}, rpy = {vector(roll_pitch_yaw(rotation))} }}"
+            for rotation, point in loop.frames
+        )
+        lines += [
+            "",
+            "[[loop]]",
+            f"between = [{between}]",
+            f"frames = [{frames}]",
+            f"cut = {string(loop.cut)}",
+            f"near = {{ {near} }}",
         ]
     return "\n".join(lines) + "\n"
 

@@ -43,9 +43,8 @@ impl<'a> Couples<'a> {
     }
 
     fn refused(&self, variable: usize) -> CertificateError {
-        let link = self.joints[variable];
         CertificateError::Couple {
-            joint: link.joint_name.as_ref().unwrap_or(&link.name).clone(),
+            joint: self.joints[variable].label().to_owned(),
         }
     }
 
@@ -75,7 +74,8 @@ impl<'a> Couples<'a> {
         let zero = Quantity::zero();
         let (terms, offset) = match &closure.laws[variable] {
             VariableLaw::Independent(_) => (vec![json!([link.name, "1"])], &zero),
-            VariableLaw::Implicit => return Ok(Value::Null), // has no exact decision
+            // These have no exact decision.
+            VariableLaw::Implicit | VariableLaw::Formula(_) => return Ok(Value::Null),
             VariableLaw::Affine(law) => {
                 let term = |(place, m): &(usize, Quantity)| {
                     let coordinate = &self.joints[closure.independent[*place]].name;

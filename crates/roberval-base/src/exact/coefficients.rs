@@ -7,7 +7,7 @@ use num_rational::BigRational;
 use num_traits::Zero;
 use roberval_linalg::{ChineseRemainder, rational_from_residue};
 use roberval_regressor::{AngleOrder, NotInField};
-use roberval_scalar::Modulus;
+use roberval_scalar::{Modulus, cancellation_point};
 
 use super::number::ExactNumber;
 use super::run::Run;
@@ -135,6 +135,7 @@ fn short_fractions(first: &Run, second: &Run) -> (Vec<Vec<ExactNumber>>, Vec<(us
     let mut open = Vec::new();
     let mut beta = Vec::with_capacity(first.beta.len());
     for (i, (row1, row2)) in first.beta.iter().zip(&second.beta).enumerate() {
+        cancellation_point();
         let mut entry = |(j, (&a1, &a2)): (usize, (&u64, &u64))| match fraction(a1, a2) {
             Some(fraction) => ExactNumber::Rational(fraction),
             None => {
@@ -229,6 +230,7 @@ impl Joined {
         let mut rest = Vec::new();
         let mut still = Vec::new();
         for ((&(i, j), old), new) in open.iter().zip(values).zip(&next.values) {
+            cancellation_point();
             let guess = |(r, a): (&BigInt, &BigInt)| {
                 rational_from_residue(r, &modulus).filter(|x| is_residue(x, a, &next.p))
             };

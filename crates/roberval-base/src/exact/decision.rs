@@ -6,12 +6,16 @@ use roberval_regressor::{AngleOrder, Model, NoValue, NotInField};
 use super::coefficients::coefficients;
 use super::number::ExactNumber;
 use super::rounded::round_open_entries;
-use super::run::{Run, run};
+use super::run::{Goal, Run, run};
 use crate::SampleError;
 
 /// Fields asked at most before two must have agreed: a disagreement has a probability
-/// of about 1e-15, so that a second one is a bug.
-const MOST_FIELDS: u64 = 4;
+/// of about 1e-15 (1e-6, where angles have many digits), so that a second one is a bug.
+const MOST_FIELDS: u64 = 5;
+
+/// A rank that is too low with this probability is none. Two fields suffice, but for dozens
+/// of angles with six decimals and more.
+const IMPROBABLE: f64 = 1e-15;
 
 /// The structural answer, decided without a tolerance.
 #[derive(Debug, Clone)]
@@ -61,8 +65,10 @@ pub enum ExactError {
     /// Loops without configurations to sample.
     #[error(transparent)]
     Samples(#[from] SampleError),
-    /// Loops that are given implicitly.
-    #[error("loops given by their cut joints are not decided exactly: use the engine \"precise\"")]
+    /// Loops that are given implicitly, and couples by expressions.
+    #[error(
+        "loops given by their cut joints and couples by expressions are not decided exactly: use the engine \"precise\""
+    )]
     Loops,
     /// Fields disagree again and again.
     #[error("prime fields disagree about the rank ({ranks:?}): please report this robot")]
@@ -83,25 +89,20 @@ pub fn decide_exactly(
     order: &[usize],
     seed: u64,
 ) -> Result<ExactDecision, ExactError> {
-    if mechanism.assembly.is_some() {
+    if !mechanism.is_affine() {
         return Err(ExactError::Loops);
     }
     let angles = AngleOrder::of(mechanism);
-    let field = |k: u64| {
-        run(
-            mechanism,
-            model,
-            order,
-            angles,
-            seed.wrapping_mul(1000).wrapping_add(k),
-            1,
-        )
+    let field = |seed: u64, conjugate: u64| {
+        let goal = Goal::Relations;
+        run(mechanism, model, order, angles, seed, conjugate, goal)
     };
-    let [first, second] = agreeing_runs(field)?;
-    let failure = |r: &Run| r.kept.len() as f64 * r.degree as f64 / r.p as f64;
-    let mut beta = coefficients(&first, &second, angles, |seed, conjugate| {
-        run(mechanism, model, order, angles, seed, conjugate)
-    })?;
+    let mut runs = agreeing_runs(|k| field(field_seed(seed, k), 1))?;
+    let mut beta = coefficients(&runs[0], &runs[1], angles, field)?;
+    let (primes, seeds) = runs.iter().map(|r| (r.p, r.seed)).unzip();
+    let samples = runs.iter().map(|r| r.samples).collect();
+    let failure_probability = failure_probability(&runs);
+    let first = runs.swap_remove(0);
     let rounding_error = round_open_entries(
         mechanism,
         model,
@@ -114,10 +115,10 @@ pub fn decide_exactly(
         order: order.to_vec(),
         angle_order: angles.get(),
         degree: first.degree,
-        failure_probability: failure(&first) * failure(&second),
-        primes: vec![first.p, second.p],
-        seeds: vec![first.seed, second.seed],
-        samples: vec![first.samples, second.samples],
+        failure_probability,
+        primes,
+        seeds,
+        samples,
         no_effect: first.no_effect,
         kept: first.kept,
         deleted: first.deleted,
@@ -127,39 +128,57 @@ pub fn decide_exactly(
     })
 }
 
-/// The structural rank alone: the larger of two fields' ranks.
+/// Rank and choice alone, without relations: the kept columns, as [`decide_exactly`] finds
+/// them.
 ///
 /// # Errors
 /// [`ExactError`] if a number of the description has no place in a prime field.
-pub(crate) fn structural_rank(
+pub fn choose_exactly(
     mechanism: &Mechanism,
     model: Model,
+    order: &[usize],
     seed: u64,
-) -> Result<usize, ExactError> {
-    if mechanism.assembly.is_some() {
+) -> Result<Vec<usize>, ExactError> {
+    if !mechanism.is_affine() {
         return Err(ExactError::Loops);
     }
     let angles = AngleOrder::of(mechanism);
-    let order: Vec<usize> = (0..mechanism.parameters().len()).collect();
-    let rank = |seed: u64| run(mechanism, model, &order, angles, seed, 1).map(|r| r.kept.len());
-    Ok(rank(seed)?.max(rank(seed.wrapping_add(1))?))
+    let field = |k: u64| {
+        let seed = field_seed(seed, k);
+        run(mechanism, model, order, angles, seed, 1, Goal::Choice)
+    };
+    agreeing_runs(field).map(|mut runs| runs.swap_remove(0).kept)
 }
 
-/// Two runs that agree; the rank is never overestimated, so that the larger wins.
-fn agreeing_runs(field: impl Fn(u64) -> Result<Run, NotInField>) -> Result<[Run; 2], ExactError> {
+/// The seed of the k-th field.
+fn field_seed(seed: u64, k: u64) -> u64 {
+    seed.wrapping_mul(1000).wrapping_add(k)
+}
+
+/// Two or more runs that agree, as many as make a rank that is too low improbable. The rank
+/// is never overestimated, so that the largest wins.
+fn agreeing_runs(field: impl Fn(u64) -> Result<Run, NotInField>) -> Result<Vec<Run>, ExactError> {
     let mut runs: Vec<Run> = Vec::new();
     for k in 0..MOST_FIELDS {
-        let new = field(k)?;
-        let best = runs.iter().map(|r| r.kept.len()).max().unwrap_or(0);
-        let same = |r: &Run| r.kept == new.kept && r.no_effect == new.no_effect;
-        if new.kept.len() >= best
-            && let Some(at) = runs.iter().position(same)
-        {
-            return Ok([runs.swap_remove(at), new]);
+        runs.push(field(k)?);
+        let best = runs.iter().max_by_key(|r| r.kept.len());
+        let agreed: Vec<Run> = runs
+            .iter()
+            .filter(|r| best.is_some_and(|b| r.kept == b.kept && r.no_effect == b.no_effect))
+            .cloned()
+            .collect();
+        let last = k + 1 == MOST_FIELDS;
+        if agreed.len() >= 2 && (last || failure_probability(&agreed) <= IMPROBABLE) {
+            return Ok(agreed);
         }
-        runs.push(new);
     }
     Err(ExactError::Disagreement {
         ranks: runs.iter().map(|r| r.kept.len()).collect(),
     })
+}
+
+/// A bound of the probability that all of these missed rank (Schwartz and Zippel).
+fn failure_probability(runs: &[Run]) -> f64 {
+    let of = |r: &Run| r.kept.len() as f64 * r.degree as f64 / r.p as f64;
+    runs.iter().map(of).product()
 }

@@ -17,8 +17,7 @@ mod number;
 mod rounded;
 mod run;
 
-pub(crate) use decision::structural_rank;
-pub use decision::{ExactDecision, ExactError, decide_exactly};
+pub use decision::{ExactDecision, ExactError, choose_exactly, decide_exactly};
 pub(crate) use field::in_some_field;
 pub use number::ExactNumber;
 pub(crate) use rounded::columns_of_w;

@@ -4,7 +4,7 @@
 use num_integer::Integer;
 use roberval_mechanism::Mechanism;
 use roberval_regressor::{Model, PreciseModel};
-use roberval_scalar::DoubleDouble;
+use roberval_scalar::{DoubleDouble, cancellation_point};
 
 use super::ExactError;
 use super::number::ExactNumber;
@@ -57,6 +57,7 @@ pub(super) fn round_open_entries(
         let w = columns_of_w(mechanism, model, &samples)?;
         let mut again = Vec::new();
         for &j in &columns {
+            cancellation_point();
             let unknown = open(beta, j);
             let known = known_part(beta, kept, &w, j);
             let rest = difference(&w[deleted[j]], &known);
@@ -94,8 +95,11 @@ pub(crate) fn columns_of_w(
     let mut reference = None;
     let mut columns = vec![Vec::with_capacity(count * per_sample); c];
     for k in 0..count {
-        let state = [&samples.q, &samples.qd, &samples.qdd].map(|x| &x[k * n..(k + 1) * n]);
-        precise.fill(model, state, &mut work, &mut sample)?;
+        cancellation_point();
+        let [qd, qdd] = [&samples.qd, &samples.qdd].map(|x| &x[k * n..(k + 1) * n]);
+        let positions = mechanism.positions();
+        let q = &samples.q[k * positions..(k + 1) * positions];
+        precise.fill(model, [q, qd, qdd], &mut work, &mut sample)?;
         if model == Model::H && reference.is_none() {
             reference = Some(sample.clone());
             continue;
@@ -218,6 +222,7 @@ impl Factor {
     fn of(a: &[&[DoubleDouble]]) -> Self {
         let (mut q, mut r, mut d): (Vec<Vec<f64>>, Vec<_>, Vec<_>) = Default::default();
         for column in a {
+            cancellation_point();
             let mut v: Vec<f64> = column.iter().map(|x| x.to_f64()).collect();
             let size = norm(&v);
             v.iter_mut().for_each(|x| *x /= size);

@@ -26,7 +26,7 @@ pub struct Run {
     pub kept: Vec<usize>,
     /// The other columns with an effect.
     pub deleted: Vec<usize>,
-    /// Residues of beta.
+    /// Residues of beta; nothing if they were not asked for.
     pub beta: Vec<Vec<u64>>,
     /// Angles that stood for generic ones.
     pub generic: Vec<String>,
@@ -42,6 +42,15 @@ pub struct Run {
     pub roots: bool,
 }
 
+/// How far to eliminate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Goal {
+    /// Rank and choice.
+    Choice,
+    /// The relations, too.
+    Relations,
+}
+
 /// Analyses the mechanism in a random prime field, keeping the first independent columns
 /// of `order` (a permutation of all columns). Constant angles of finite order are taken
 /// `conjugate` times (1, or a number that has no factor in common with that order): the
@@ -53,9 +62,10 @@ pub(crate) fn run(
     angle_order: AngleOrder,
     seed: u64,
     conjugate: u64,
+    goal: Goal,
 ) -> Result<Run, NotInField> {
     in_some_field(mechanism, angle_order, seed, conjugate, |exact, random| {
-        eliminate(mechanism, model, order, exact, seed, random)
+        eliminate_to(mechanism, model, order, exact, seed, random, goal)
     })
 }
 
@@ -67,6 +77,19 @@ pub fn eliminate<'m>(
     exact: &ExactModel<'m>,
     seed: u64,
     random: &mut SplitMix64,
+) -> Run {
+    let goal = Goal::Relations;
+    eliminate_to(mechanism, model, order, exact, seed, random, goal)
+}
+
+fn eliminate_to<'m>(
+    mechanism: &Mechanism,
+    model: Model,
+    order: &[usize],
+    exact: &ExactModel<'m>,
+    seed: u64,
+    random: &mut SplitMix64,
+    goal: Goal,
 ) -> Run {
     let space: ParameterSpace = mechanism.parameters();
     let modulus = exact.modulus();
@@ -101,15 +124,15 @@ pub fn eliminate<'m>(
     let kept = echelon.kept();
     let leads = |j: &usize| kept.binary_search(j).is_ok();
     let deleted = (0..order.len()).filter(|j| !leads(j) && seen[order[*j]]);
-    let effect: Vec<bool> = (0..order.len())
-        .filter(|j| !leads(j))
-        .map(|j| seen[order[j]])
-        .collect();
-    let beta = echelon
-        .relations()
-        .iter()
-        .map(|row| with_effect(row, &effect))
-        .collect();
+    let beta = match goal {
+        Goal::Choice => Vec::new(),
+        Goal::Relations => {
+            let others = (0..order.len()).filter(|j| !leads(j));
+            let effect: Vec<bool> = others.map(|j| seen[order[j]]).collect();
+            let relations = echelon.relations();
+            relations.iter().map(|r| with_effect(r, &effect)).collect()
+        }
+    };
     Run {
         p: modulus.p(),
         seed,

@@ -1,7 +1,7 @@
 //! What a link can meet: the spans of its velocities, of their squares and of gravity.
 
 use roberval_linalg::Echelon;
-use roberval_regressor::{Body, Tree};
+use roberval_regressor::{Body, Constants, Tree};
 use roberval_scalar::{Fp, Modulus};
 
 use super::spatial::{Matrix6, Vector6, apply, outer, product, sum, transform, transposed};
@@ -99,6 +99,24 @@ impl<'m> Attainable<'m> {
             velocities: Span::of(modulus, []),
             squares: Span::of(modulus, []),
             gravity: Span::of(modulus, [[zero, zero, zero, x, y, z]]),
+        }
+    }
+
+    /// The base moves freely: whatever it meets, it meets in all directions.
+    pub fn free(tree: &Tree<Fp<'m>>) -> Self {
+        let Constants { zero, one, .. } = tree.constants;
+        let modulus = zero.modulus();
+        let unit = |k: usize| std::array::from_fn(|i| if i == k { one } else { zero });
+        let pairs = (0..6).flat_map(|i| (0..=i).map(move |j| (unit(i), unit(j))));
+        let falls = tree.gravity.iter().any(|g| !g.is_zero());
+        Self {
+            modulus,
+            velocities: Span::of(modulus, (0..6).map(unit)),
+            squares: Span::of(
+                modulus,
+                pairs.map(|(u, v)| sum(&outer(&u, &v), &outer(&v, &u))),
+            ),
+            gravity: Span::of(modulus, (3..6).filter(|_| falls).map(unit)),
         }
     }
 

@@ -5,7 +5,8 @@
 //! It is such a change if, for every velocity that the antecedent can have, the link's
 //! energy depends neither on its joint's velocity nor on its joint's position. These are
 //! linear conditions on the ten or eleven parameters; b is the sum over the links of the
-//! numbers of independent ones. The conditions need only the spans of what is attainable,
+//! numbers of independent ones. All ten of a floating base's parameters are visible, and
+//! links on it meet all velocities. The conditions need only the spans of what is attainable,
 //! so that nothing is sampled. They share no code with the regressor: a witness of its
 //! own for chains and trees.
 
@@ -20,7 +21,7 @@ use roberval_scalar::Fp;
 use crate::ExactError;
 use crate::exact::in_some_field;
 use attainable::Attainable;
-use spatial::{Matrix6, Vector6, cross_matrix, energy_rate, outer, product, transposed};
+use spatial::{Matrix6, Vector6, cross_matrix, energy_rate, outer, product, transform, transposed};
 
 /// Rank and choice of a chain or tree, link by link.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -74,35 +75,77 @@ pub fn nullspace_rank(mechanism: &Mechanism, seed: u64) -> Result<NullspaceDecis
 /// it, is invisible: if its conditions depend on those of the parameters before it. The
 /// leftmost independent columns of the conditions are what the paper's rule keeps.
 fn kept_of_links(tree: &Tree<Fp<'_>>) -> Vec<Vec<usize>> {
-    let mut of_links: Vec<Attainable<'_>> = Vec::with_capacity(tree.bodies.len());
+    let mut of_links: Vec<(Attainable<'_>, Vec<Condition<'_>>)> = Vec::new();
     let mut kept = Vec::with_capacity(tree.bodies.len());
+    let base = (Attainable::base(tree), Vec::new());
     for body in &tree.bodies {
-        let (own, rows) = match body.antecedent {
-            Some(a) => step(&of_links[a], body),
-            None => step(&Attainable::base(tree), body),
-        };
-        kept.push(rows.map_or_else(Vec::new, |rows| rows.kept()));
-        of_links.push(own);
+        if body.joint == JointKind::Floating {
+            kept.push((0..10).collect());
+            of_links.push((Attainable::free(tree), Vec::new()));
+            continue;
+        }
+        let (antecedent, inherited) = body.antecedent.map_or(&base, |a| &of_links[a]);
+        let (own, mut conditions) = step(antecedent, body);
+        conditions.extend(inherited.iter().map(|c| c.carried(body)));
+        if body.massless {
+            kept.push(Vec::new());
+        } else {
+            kept.push(leftmost(body, &conditions));
+            conditions.clear();
+        }
+        of_links.push((own, conditions));
     }
     kept
 }
 
-/// What a link can meet, from its antecedent's, and the conditions on its parameters
+/// A condition on a change I of a link's inertia and Ia of its rotor's: the sum of `u' I v`
+/// over the matrix, a sum of `u v'`, and `rotor Ia` is zero.
+struct Condition<'m> {
+    motion: Matrix6<Fp<'m>>,
+    rotor: Fp<'m>,
+}
+
+impl<'m> Condition<'m> {
+    /// The same for the link on a massless one, which can hide nothing: what is moved
+    /// into it must be invisible there too.
+    fn carried(&self, body: &Body<Fp<'m>>) -> Self {
+        let zero = body.axis_squared.modulus().integer(0);
+        let x = transform(&body.rotation, body.origin, zero);
+        Self {
+            motion: product(&product(&x, &self.motion), &transposed(&x)),
+            rotor: zero,
+        }
+    }
+}
+
+/// The leftmost parameters with independent conditions.
+fn leftmost<'m>(body: &Body<Fp<'m>>, conditions: &[Condition<'m>]) -> Vec<usize> {
+    let columns = if body.rotor { 11 } else { 10 };
+    let mut rows = Echelon::new(body.axis_squared.modulus(), columns);
+    for condition in conditions {
+        let mut row = [condition.rotor; 11];
+        row[..10].copy_from_slice(&energy_rate(&condition.motion));
+        rows.insert(&row[..columns]);
+    }
+    rows.kept()
+}
+
+/// What a link on a joint with an axis or a fixed one can meet, from its antecedent's, and the conditions on its parameters
 /// (none for a link on a fixed joint: all of it can be moved).
 fn step<'m>(
     antecedent: &Attainable<'m>,
     body: &Body<Fp<'m>>,
-) -> (Attainable<'m>, Option<Echelon<'m>>) {
+) -> (Attainable<'m>, Vec<Condition<'m>>) {
     let zero = body.axis_squared.modulus().integer(0);
     let carried = antecedent.carried(body);
     let Some(joint) = joint_axis(body, zero) else {
-        return (carried, None);
+        return (carried, Vec::new());
     };
     let cross = cross_matrix(&joint, zero);
     let mut attainable = carried.moved_by(&cross);
     let rows = conditions(body, &joint, &cross, &attainable);
     attainable.add_joint(&joint);
-    (attainable, Some(rows))
+    (attainable, rows)
 }
 
 /// S, the velocity of the link relative to its antecedent at unit joint velocity.
@@ -111,37 +154,31 @@ fn joint_axis<'m>(body: &Body<Fp<'m>>, zero: Fp<'m>) -> Option<Vector6<Fp<'m>>> 
     match body.joint {
         JointKind::Revolute => Some([x, y, z, zero, zero, zero]),
         JointKind::Prismatic => Some([zero, zero, zero, x, y, z]),
-        JointKind::Fixed => None,
+        JointKind::Fixed | JointKind::Floating => None,
     }
 }
 
-/// The conditions on a change I of the link's inertia and Ia of its rotor's, as rows.
+/// The conditions on a change of the link's inertia and of its rotor's.
 fn conditions<'m>(
     body: &Body<Fp<'m>>,
     joint: &Vector6<Fp<'m>>,
     cross: &Matrix6<Fp<'m>>,
     attainable: &Attainable<'m>,
-) -> Echelon<'m> {
-    let modulus = body.axis_squared.modulus();
-    let zero = modulus.integer(0);
-    let columns = if body.rotor { 11 } else { 10 };
-    let mut rows = Echelon::new(modulus, columns);
-    let mut insert = |square: &Matrix6<Fp<'m>>, rotor: Fp<'m>| {
-        let mut row = [rotor; 11];
-        row[..10].copy_from_slice(&energy_rate(square));
-        rows.insert(&row[..columns]);
-    };
+) -> Vec<Condition<'m>> {
+    let zero = body.axis_squared.modulus().integer(0);
+    let mut conditions = Vec::new();
+    let mut insert = |motion, rotor| conditions.push(Condition { motion, rotor });
     // S' I S + Ia = 0; the axis may be in units of its own.
-    insert(&outer(joint, joint), body.axis_squared);
+    insert(outer(joint, joint), body.axis_squared);
     // S' I w = 0, w being a velocity of the antecedent or gravity.
     for w in attainable.velocities().iter().chain(attainable.gravity()) {
-        insert(&outer(joint, w), zero);
+        insert(outer(joint, w), zero);
     }
     // w' I (S x w) = 0.
     for square in attainable.squares() {
-        insert(&product(square, &transposed(cross)), zero);
+        insert(product(square, &transposed(cross)), zero);
     }
-    rows
+    conditions
 }
 
 #[cfg(test)]
@@ -150,7 +187,7 @@ mod tests {
     use roberval_mechanism::SourceFormat;
     use roberval_scalar::SplitMix64;
     use roberval_testkit::Family;
-    use spatial::{apply, transform};
+    use spatial::apply;
 
     /// Squares of this many velocities span all 21 dimensions, if they can.
     const DRAWS: usize = 30;

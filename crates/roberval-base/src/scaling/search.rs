@@ -17,7 +17,7 @@ use roberval_scalar::SplitMix64;
 
 use super::{Range, ScalingOptions, ScalingProgress};
 use crate::observation::row_weights;
-use crate::sample::reaches;
+use crate::sample::Reaches;
 use crate::{BaseError, Samples};
 
 /// Random states that show what size the entries of an even piece have.
@@ -35,7 +35,8 @@ const PRECISION: f64 = 1e-3;
 /// How far a variable may leave the range [-1, 1] drawn from.
 const BOUND: f64 = 4.0;
 
-/// The state of the joints, (q, qd, qdd) in units of what random samples reach.
+/// The state of the robot, (q, qd, qdd) of each coordinate of the velocity, in units of
+/// what random samples reach.
 type State = Vec<[f64; 3]>;
 
 /// A state and the decades by which its worst entry misses the common size.
@@ -202,7 +203,7 @@ struct Piece<'a> {
     pattern: &'a [bool],
     /// What the row of each joint is multiplied by.
     weights: Vec<f64>,
-    reaches: Vec<[f64; 3]>,
+    reaches: Reaches,
     /// (joint, order of derivative) of all that the model depends on.
     variables: Vec<(usize, usize)>,
     /// The reference sample of h and its row.
@@ -226,7 +227,7 @@ impl<'a> Piece<'a> {
                 Model::H => vec![1.0],
                 Model::D | Model::D0 => row_weights(mechanism),
             },
-            reaches: reaches(mechanism),
+            reaches: Reaches::of(mechanism),
             variables: joints
                 .flat_map(|joint| orders.iter().map(move |&order| (joint, order)))
                 .collect(),
@@ -247,7 +248,7 @@ impl<'a> Piece<'a> {
     }
 
     fn draw(&self, random: &mut SplitMix64) -> State {
-        let mut state = vec![[0.0; 3]; self.reaches.len()];
+        let mut state = vec![[0.0; 3]; self.reaches.each.len()];
         for &(joint, order) in &self.variables {
             state[joint][order] = random.uniform(-1.0, 1.0);
         }
@@ -278,7 +279,7 @@ impl<'a> Piece<'a> {
     }
 
     fn fill(&mut self, state: &State) -> Result<(), BaseError> {
-        let mut sample = Samples::with_capacity(state.len());
+        let mut sample = Samples::with_capacity(state.len() + 1);
         sample.push(&self.reaches, state);
         let states: States<'_> = sample.states();
         Ok(self.regressor.fill(self.model, states, &mut self.rows)?)

@@ -114,8 +114,8 @@ pub fn rssr() -> String {
     "name = \"RSSR\"\ngravity = [0, -9.81, 0]\n\
      link = [\n\
      { name = \"crank\", alpha = 0, d = 0, r = 0 },\n\
-     { name = \"s1\", alpha = 0, d = 0.2, r = 0.1, active = false },\n\
-     { name = \"s2\", alpha = \"90 deg\", d = 0, r = 0, active = false },\n\
+     { name = \"s1\", alpha = 0, d = 0.2, r = 0.1, active = false, massless = true },\n\
+     { name = \"s2\", alpha = \"90 deg\", d = 0, r = 0, active = false, massless = true },\n\
      { name = \"rod\", alpha = \"90 deg\", d = 0, r = 0, active = false },\n\
      { name = \"rocker\", antecedent = \"base\", alpha = \"50 deg\", d = 0.8, r = 0.3, active = false },\n\
      ]\n\
@@ -145,7 +145,7 @@ pub fn delta() -> String {
         let turn = 120 * (leg - 1);
         links += &format!(
             "[[link]]\nname = \"arm{leg}\"\nantecedent = \"base\"\ngamma = \"{turn} deg\"\nalpha = \"90 deg\"\nd = 0.2\nr = 0\n\
-             [[link]]\nname = \"cross{leg}\"\nalpha = 0\nd = 0.3\nr = 0\nactive = false\n\
+             [[link]]\nname = \"cross{leg}\"\nalpha = 0\nd = 0.3\nr = 0\nactive = false\nmassless = true\n\
              [[link]]\nname = \"rod{leg}\"\nalpha = \"90 deg\"\nd = 0\nr = 0\nactive = false\n"
         );
         if leg > 1 {
@@ -159,7 +159,7 @@ pub fn delta() -> String {
     }
     format!(
         "name = \"Delta\"\n{links}\
-         [[link]]\nname = \"cross4\"\nantecedent = \"rod1\"\nalpha = 0\nd = 0.6\nr = 0\nactive = false\n\
+         [[link]]\nname = \"cross4\"\nantecedent = \"rod1\"\nalpha = 0\nd = 0.6\nr = 0\nactive = false\nmassless = true\n\
          [[link]]\nname = \"platform\"\nalpha = \"-90 deg\"\nd = 0\nr = 0\nactive = false\n{closures}"
     )
 }
@@ -180,7 +180,7 @@ pub fn stewart() -> String {
     for (leg, turn) in base.iter().enumerate() {
         let leg = leg + 1;
         links += &format!(
-            "[[link]]\nname = \"u{leg}\"\nantecedent = \"base\"\ngamma = \"{turn} deg\"\nalpha = \"90 deg\"\nd = 0.5\nr = 0\nactive = false\n\
+            "[[link]]\nname = \"u{leg}\"\nantecedent = \"base\"\ngamma = \"{turn} deg\"\nalpha = \"90 deg\"\nd = 0.5\nr = 0\nactive = false\nmassless = true\n\
              [[link]]\nname = \"v{leg}\"\nalpha = \"90 deg\"\nd = 0\nr = 0\ntheta = \"90 deg\"\nactive = false\n\
              [[link]]\nname = \"leg{leg}\"\njoint = \"prismatic\"\nalpha = \"90 deg\"\nd = 0\ntheta = 0\nr = 0.8\n"
         );
@@ -195,8 +195,70 @@ pub fn stewart() -> String {
     // The platform's frame has its origin at the first leg's joint.
     format!(
         "name = \"Stewart\"\n{links}\
-         [[link]]\nname = \"s1\"\nantecedent = \"leg1\"\nalpha = 0\nd = 0\nr = 0\nactive = false\n\
-         [[link]]\nname = \"s2\"\nalpha = \"90 deg\"\nd = 0\nr = 0\nactive = false\n\
+         [[link]]\nname = \"s1\"\nantecedent = \"leg1\"\nalpha = 0\nd = 0\nr = 0\nactive = false\nmassless = true\n\
+         [[link]]\nname = \"s2\"\nalpha = \"90 deg\"\nd = 0\nr = 0\nactive = false\nmassless = true\n\
          [[link]]\nname = \"platform\"\nalpha = \"90 deg\"\nd = 0\nr = 0\nactive = false\n{closures}"
+    )
+}
+
+/// [`waist_with_four_bar`] cut between crank and coupler.
+pub fn waist_cut_elsewhere() -> String {
+    "name = \"waist, cut elsewhere\"\n\
+     link = [\n\
+     { name = \"waist\", alpha = 0, d = 0, r = 0 },\n\
+     { name = \"crank\", alpha = \"-90 deg\", d = 0.1, r = 0 },\n\
+     { name = \"rocker\", antecedent = \"waist\", alpha = \"-90 deg\", d = 0.55, r = 0, active = false },\n\
+     { name = \"coupler\", alpha = 0, d = 0.5, r = 0, active = false },\n\
+     ]\n\
+     [[loop]]\nbetween = [\"coupler\", \"crank\"]\nat = [[0.6, 0, 0], [0.25, 0, 0]]\ncut = \"revolute\"\n"
+        .to_owned()
+}
+
+/// [`spherical_four_bar`] cut at the ground.
+pub fn spherical_cut_elsewhere() -> String {
+    "name = \"spherical 4R, cut elsewhere\"\ngravity = [1, -2, -9]\n\
+     link = [\n\
+     { name = \"1\", alpha = 0, d = 0, r = 0 },\n\
+     { name = \"2\", alpha = \"35 deg\", d = 0, r = 0, active = false },\n\
+     { name = \"3\", alpha = \"75 deg\", d = 0, r = 0, active = false },\n\
+     ]\n\
+     [[loop]]\nbetween = [\"3\", \"base\"]\ncut = \"revolute\"\n\
+     frames = [{ rpy = [\"-60 deg\", 0, 0] }, { rpy = [\"80 deg\", 0, 0] }]\n"
+        .to_owned()
+}
+
+/// [`rssr`] with the rod on the rocker.
+pub fn rssr_cut_elsewhere() -> String {
+    "name = \"RSSR, cut elsewhere\"\ngravity = [0, -9.81, 0]\n\
+     link = [\n\
+     { name = \"crank\", alpha = 0, d = 0, r = 0 },\n\
+     { name = \"rocker\", antecedent = \"base\", alpha = \"50 deg\", d = 0.8, r = 0.3, active = false },\n\
+     { name = \"s1\", alpha = 0, d = 0.6, r = 0.1, active = false, massless = true },\n\
+     { name = \"s2\", alpha = \"90 deg\", d = 0, r = 0, active = false, massless = true },\n\
+     { name = \"rod\", alpha = \"90 deg\", d = 0, r = 0, active = false },\n\
+     ]\n\
+     [[loop]]\nbetween = [\"rod\", \"crank\"]\nat = [[0, 0, 0.9], [0.2, 0, 0.1]]\ncut = \"spherical\"\n"
+        .to_owned()
+}
+
+/// The built-in Delta robot with its third rod on the platform, cut at the elbow.
+pub fn delta_cut_elsewhere(catalogue: &str) -> String {
+    let third = |name: &str| {
+        catalogue
+            .find(&format!("[[link]]\nname = \"{name}\""))
+            .expect("a link")
+    };
+    let (from, to) = (third("cross3"), third("cross4"));
+    let second_loop = catalogue.rfind("[[loop]]").expect("a loop");
+    let passive = "active = false\n";
+    format!(
+        "{}{}\n[[link]]\nname = \"cross5\"\nmassless = true\n{passive}\
+         xyz = [-0.075, 0, \"0.05*sqrt(3)/2\"]\nrpy = [0, \"240 deg\", 0]\n\
+         [[link]]\nname = \"rod3\"\n{passive}alpha = \"90 deg\"\nd = 0\ntheta = 0\nr = 0\n\
+         {}\n[[loop]]\nbetween = [\"arm3\", \"rod3\"]\ncut = \"universal\"\n\
+         at = [[0.3, 0, 0], [0.6, 0, 0]]\n",
+        &catalogue[..from],
+        &catalogue[to..catalogue.find("[[loop]]").expect("a loop")],
+        &catalogue[catalogue.find("[[loop]]").expect("a loop")..second_loop]
     )
 }

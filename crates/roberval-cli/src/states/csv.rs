@@ -7,7 +7,7 @@ use csv::{ErrorKind, ReaderBuilder, StringRecord, Trim};
 use roberval_base::Model;
 use roberval_mechanism::Mechanism;
 
-use super::{ARRAYS, StateTable, needed, some};
+use super::{ARRAYS, StateTable, needed, some, width};
 
 /// A line with more bytes is no line of numbers: reading stops before memory is full.
 const LONGEST_LINE: usize = 16 << 20;
@@ -63,16 +63,16 @@ fn number(text: &str, column: &str) -> Result<f64, String> {
     }
 }
 
-/// For q, qd and qdd, the column of each joint; `None` where the model needs none.
+/// For q, qd and qdd, the column of each coordinate; `None` where the model needs none.
 fn columns(
     header: &StringRecord,
     mechanism: &Mechanism,
     model: Model,
     note: &mut dyn FnMut(String),
 ) -> Result<[Vec<Option<usize>>; 3], String> {
-    let names = joint_names(mechanism);
-    let dof = mechanism.independent();
-    let mut columns: [Vec<Option<usize>>; 3] = std::array::from_fn(|_| vec![None; dof]);
+    let names = [0, 1, 2].map(|array| names(mechanism, array));
+    let widths = [0, 1, 2].map(|array| width(mechanism, array));
+    let mut columns = widths.map(|width| vec![None; width]);
     let mut ignored = Vec::new();
     for (at, title) in header.iter().enumerate() {
         let title = title.trim_start_matches('\u{feff}');
@@ -82,25 +82,27 @@ fn columns(
         };
         if let Some(first) = columns[array][joint].replace(at) {
             return Err(format!(
-                "columns {} ({}) and {} ({title}) both give {} of joint {}",
+                "columns {} ({}) and {} ({title}) both give {} of {} {}",
                 first + 1,
                 &header[first],
                 at + 1,
                 ARRAYS[array],
+                coordinates(mechanism),
                 joint + 1
             ));
         }
     }
+    let titles = mechanism.state_titles();
     let mut missing = Vec::new();
     for (array, needed) in needed(model).into_iter().enumerate() {
-        let absent = (0..dof).filter(|&j| needed && columns[array][j].is_none());
-        missing.extend(absent.map(|j| format!("{}_{}", ARRAYS[array], j + 1)));
+        let absent = (0..widths[array]).filter(|&j| needed && columns[array][j].is_none());
+        missing.extend(absent.map(|j| titles[array][j].clone()));
         if !needed {
             columns[array].fill(None);
         }
     }
     if !missing.is_empty() {
-        return Err(lacking(header, &missing, dof, model));
+        return Err(lacking(header, &missing, mechanism, model));
     }
     if !ignored.is_empty() {
         note(format!("columns that are not used: {}", some(&ignored)));
@@ -108,7 +110,12 @@ fn columns(
     Ok(columns)
 }
 
-fn lacking(header: &StringRecord, missing: &[String], dof: usize, model: Model) -> String {
+fn lacking(
+    header: &StringRecord,
+    missing: &[String],
+    mechanism: &Mechanism,
+    model: Model,
+) -> String {
     let hint = if header.iter().all(|title| title.parse::<f64>().is_ok()) {
         "; the first line must name the columns"
     } else if header.iter().any(|title| title.contains([';', '\t'])) {
@@ -116,33 +123,59 @@ fn lacking(header: &StringRecord, missing: &[String], dof: usize, model: Model) 
     } else {
         ""
     };
+    let [q, qd, qdd] = mechanism.state_titles();
+    let range = |titles: &[String]| match titles {
+        [first, .., last] => format!("{first} .. {last}"),
+        titles => titles.concat(),
+    };
+    let columns = match mechanism.is_floating() {
+        true => format!("{}, {} and {}", range(&q), range(&qd), range(&qdd)),
+        false => format!(
+            "{} (also qd_, qdd_), with the joint's number, its name or its link's name",
+            range(&q)
+        ),
+    };
     format!(
-        "model {} needs a column for every joint, and there is no {}{hint}; columns are q_1 .. \
-         q_{dof} (also qd_, qdd_), with the joint's number, its name or its link's name",
+        "model {} needs a column for every {}, and there is no {}{hint}; columns are {columns}",
         model.name(),
-        some(missing)
+        coordinates(mechanism),
+        some(missing),
     )
 }
 
-/// The array and the joint that a column's title means.
-fn meaning(title: &str, names: &HashMap<String, usize>) -> Option<(usize, usize)> {
-    let (array, name) = title.split_once('_')?;
-    let array = ARRAYS.iter().position(|a| *a == array)?;
-    Some((array, *names.get(name)?))
+/// What the numbers from 1 count.
+fn coordinates(mechanism: &Mechanism) -> &'static str {
+    if mechanism.is_floating() {
+        "coordinate"
+    } else {
+        "joint"
+    }
 }
 
-/// What the joints may be called: by joint name, by link name, else by number from 1.
-fn joint_names(mechanism: &Mechanism) -> HashMap<String, usize> {
-    let mut names = HashMap::new();
-    for (j, _) in mechanism.independent_joints().iter().enumerate() {
-        names.insert((j + 1).to_string(), j);
-    }
-    for (j, link) in mechanism.independent_joints().iter().enumerate() {
-        names.insert(link.name.clone(), j);
-    }
-    for (j, link) in mechanism.independent_joints().iter().enumerate() {
-        names.extend(link.joint_name.clone().map(|name| (name, j)));
-    }
+/// The array and the coordinate that a column's title means.
+fn meaning(title: &str, names: &[HashMap<String, usize>; 3]) -> Option<(usize, usize)> {
+    let (array, name) = title.split_once('_')?;
+    let array = ARRAYS.iter().position(|a| *a == array)?;
+    Some((array, *names[array].get(name)?))
+}
+
+/// What the coordinates may be called: by joint name (of a floating link, by their own
+/// names), by link name, else by number from 1.
+fn names(mechanism: &Mechanism, array: usize) -> HashMap<String, usize> {
+    let own = match array {
+        0 => mechanism.position_names(),
+        _ => mechanism.velocity_names(),
+    };
+    let mut names: HashMap<String, usize> = HashMap::new();
+    names.extend((0..own.len()).map(|j| ((j + 1).to_string(), j)));
+    let joints = mechanism.independent_joints().into_iter();
+    let links: Vec<&str> = joints
+        .filter(|l| l.joint.has_axis())
+        .map(|l| l.name.as_str())
+        .collect();
+    let places = own.len() - links.len()..own.len();
+    names.extend(links.into_iter().map(str::to_owned).zip(places));
+    names.extend(own.into_iter().zip(0..));
     names
 }
 

@@ -4,11 +4,12 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 
 use roberval_base::Model;
+use roberval_mechanism::Mechanism;
 use zip::ZipArchive;
 use zip::read::ZipFile;
 
 use super::npy::Header;
-use super::{ARRAYS, StateTable, needed, some};
+use super::{ARRAYS, StateTable, needed, some, width};
 
 /// Deflate packs at most 1032 bytes into one: an array that claims more of its packed
 /// bytes is not there.
@@ -22,7 +23,7 @@ type Archive = ZipArchive<BufReader<File>>;
 /// Reads the arrays that the model needs.
 pub(super) fn read(
     file: File,
-    dof: usize,
+    mechanism: &Mechanism,
     model: Model,
     note: &mut dyn FnMut(String),
 ) -> Result<StateTable, String> {
@@ -37,17 +38,17 @@ pub(super) fn read(
     check_names(&names, needed, note)?;
     let mut count = None;
     let mut arrays: [Vec<f64>; 3] = Default::default();
-    for ((array, name), needed) in arrays.iter_mut().zip(ARRAYS).zip(needed) {
-        if needed {
-            let (found, numbers) = read_array(&mut archive, name, dof)
+    for (at, name) in ARRAYS.into_iter().enumerate() {
+        if needed[at] {
+            let (found, numbers) = read_array(&mut archive, name, width(mechanism, at))
                 .map_err(|what| format!("array {name}: {what}"))?;
             check_count(name, found, *count.get_or_insert(found))?;
-            *array = numbers;
+            arrays[at] = numbers;
         }
     }
     let count = count.unwrap_or(0);
-    for array in &mut arrays {
-        array.resize(count * dof, 0.0);
+    for (at, array) in arrays.iter_mut().enumerate() {
+        array.resize(count * width(mechanism, at), 0.0);
     }
     let [q, qd, qdd] = arrays;
     Ok(StateTable { q, qd, qdd, count })

@@ -20,6 +20,15 @@ impl Frame {
         }
     }
 
+    /// Element (i, k) (from 0) of a matrix with so many columns.
+    pub fn matrix_element(self, array: &str, i: usize, k: usize, columns: usize) -> String {
+        match self.0 {
+            Language::C | Language::Rust => format!("{array}[{}]", i * columns + k),
+            Language::Python => format!("{array}[..., {i}, {k}]"),
+            Language::Matlab => format!("{array}(:, {}, {})", i + 1, k + 1),
+        }
+    }
+
     /// Element k (from 0) of an array that is the same at all states.
     pub fn constant_element(self, array: &str, k: usize) -> String {
         match self.0 {
@@ -59,7 +68,7 @@ impl Frame {
 
     /// A function, from its first line to its last.
     pub fn function(self, function: &Function<'_>) -> String {
-        let (lines, outputs) = statements(function.program, self.0);
+        let (lines, outputs) = statements(function.program, function.columns, self.0);
         let mut text = self.head(function);
         for line in &lines {
             let line = match line {

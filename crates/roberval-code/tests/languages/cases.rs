@@ -2,8 +2,9 @@
 
 use roberval_base::{Options, base_parameters};
 use roberval_code::{Code, Request, What};
+use roberval_formats::parse_toml;
 use roberval_mechanism::{JointKind, Mechanism, SourceFormat};
-use roberval_regressor::{Model, Regressor, States};
+use roberval_regressor::{Expansion, Model, Regressor, States};
 use roberval_scalar::SplitMix64;
 use roberval_testkit::{Angles, Family};
 
@@ -18,6 +19,10 @@ pub struct Case {
     pub q: Vec<f64>,
     pub qd: Vec<f64>,
     pub qdd: Vec<f64>,
+    /// G, where there are loops.
+    pub g: Vec<f64>,
+    /// The independent coordinates and their rates: those above, but for loops.
+    independent: [Vec<f64>; 3],
     pub x: Vec<f64>,
     /// The results, sample by sample.
     pub expected: Vec<Vec<f64>>,
@@ -36,14 +41,23 @@ impl Case {
         let mut draw =
             |count: usize| -> Vec<f64> { (0..count).map(|_| random.uniform(-1.0, 1.0)).collect() };
         let n = mechanism.independent();
-        let (q, qd, qdd) = (draw(SAMPLES * n), draw(SAMPLES * n), draw(SAMPLES * n));
+        let independent = [0; 3].map(|_| draw(SAMPLES * n));
         let x = draw(code.parameters.len());
+        let [q, qd, qdd, g] = match code.loops {
+            true => expanded(mechanism, &independent),
+            false => {
+                let [q, qd, qdd] = independent.clone();
+                [q, qd, qdd, Vec::new()]
+            }
+        };
         let mut case = Self {
             code,
             mechanism: mechanism.clone(),
             q,
             qd,
             qdd,
+            g,
+            independent,
             x,
             expected: Vec::new(),
         };
@@ -57,7 +71,7 @@ impl Case {
     fn expect(&self, what: What, columns: &[usize], friction: bool, sample: usize) -> Vec<f64> {
         let n = self.mechanism.independent();
         let at = sample * n..(sample + 1) * n;
-        let (q, qd, qdd) = (&self.q[at.clone()], &self.qd[at.clone()], &self.qdd[at]);
+        let [q, qd, qdd] = self.independent.each_ref().map(|x| &x[at.clone()]);
         let zero = vec![0.0; n];
         match what {
             What::Tau => {
@@ -115,9 +129,14 @@ impl Case {
         on.windows(2).any(|pair| pair[0] == pair[1])
     }
 
+    /// Whether loops relate joints.
+    pub fn has_loops(&self) -> bool {
+        self.code.loops
+    }
+
     /// Whether joints depend on others.
     pub fn is_coupled(&self) -> bool {
-        self.mechanism.closure.is_some()
+        self.mechanism.closure.is_some() && !self.code.loops
     }
 
     /// Whether a joint is prismatic.
@@ -127,11 +146,58 @@ impl Case {
     }
 }
 
+/// The state of all joints, and G, sample after sample.
+fn expanded(mechanism: &Mechanism, [q, qd, qdd]: &[Vec<f64>; 3]) -> [Vec<f64>; 4] {
+    let (n, m) = (mechanism.dof(), mechanism.independent());
+    let expansion = Expansion::in_floats(mechanism).expect("loops");
+    let mut all = [const { Vec::new() }; 4];
+    for sample in 0..SAMPLES {
+        let mut states = expansion.states();
+        let at = sample * m..(sample + 1) * m;
+        let state = [&q[at.clone()], &qd[at.clone()], &qdd[at]];
+        expansion
+            .expand(state, &mut states)
+            .expect("the loops close");
+        let mut g = vec![0.0; n * m];
+        for i in 0..n {
+            states
+                .transmission
+                .row(i)
+                .for_each(|(k, value)| g[i * m + k] = value);
+        }
+        for (all, new) in all.iter_mut().zip([states.q, states.qd, states.qdd, g]) {
+            all.extend(new);
+        }
+    }
+    all
+}
+
+/// Five links of a plane that close a loop, standing on a base that they may turn.
+const LOOPS: [&str; 2] = [
+    "name = \"five-bar\"\ngravity = [0, -9.81, 0]\n\
+     link = [\n\
+     { name = \"1\", alpha = 0, d = 0, r = 0 },\n\
+     { name = \"2\", alpha = 0, d = 1, r = 0, active = false },\n\
+     { name = \"3\", antecedent = \"base\", alpha = 0, d = 0.5, r = 0 },\n\
+     { name = \"4\", alpha = 0, d = 1, r = 0, active = false },\n\
+     ]\n\
+     [[loop]]\nbetween = [\"2\", \"4\"]\nat = [[1.5, 0, 0], [1.5, 0, 0]]\ncut = \"revolute\"\n",
+    "name = \"four-bar on a turning base\"\ngravity = [0, 0, -9.81]\n\
+     link = [\n\
+     { name = \"1\", alpha = 0, d = 0, r = 0 },\n\
+     { name = \"2\", alpha = \"90 deg\", d = 0.1, r = 0 },\n\
+     { name = \"3\", antecedent = \"2\", alpha = 0, d = 0.3, r = 0, active = false },\n\
+     { name = \"4\", antecedent = \"1\", alpha = \"90 deg\", d = 1.1, r = 0, active = false },\n\
+     ]\n\
+     [[loop]]\nbetween = [\"3\", \"4\"]\nat = [[0.9, 0, 0], [0.7, 0, 0]]\ncut = \"revolute\"\n",
+];
+
 /// All functions of the catalogue's robots and of generated ones.
 pub fn cases() -> Vec<Case> {
     let catalogue = roberval_formats::catalogue().iter();
     let mut robots: Vec<_> = catalogue
         .map(|entry| roberval_formats::load(entry.name).expect("a built-in robot"))
+        .filter(|robot| robot.loops.is_empty()) // passive joints are found by iteration
         .collect();
     for (seed, format, angles) in [
         (1, SourceFormat::Mdh, Angles::Right),
@@ -154,6 +220,7 @@ pub fn cases() -> Vec<Case> {
         };
         robots.push(family.robot(seed));
     }
+    robots.extend(LOOPS.map(|text| parse_toml(text, "loops.toml").expect("a robot")));
     let of_robot = |(index, robot): (usize, &roberval_mechanism::RobotDescription)| {
         let mechanism = Mechanism::new(robot).expect("a valid robot");
         let answer = base_parameters(&mechanism, &Options::default()).expect("an answer");

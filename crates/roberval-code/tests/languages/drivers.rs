@@ -103,14 +103,45 @@ fn numbers(values: &[f64]) -> String {
     values.join(", ")
 }
 
+/// An array of states: its name, and its numbers sample after sample.
+struct Array<'a> {
+    name: &'static str,
+    values: &'a [f64],
+}
+
+impl Array<'_> {
+    /// Numbers of a sample.
+    fn width(&self) -> usize {
+        self.values.len() / SAMPLES
+    }
+}
+
 /// The states that a function takes, with their values.
-fn states(case: &Case) -> Vec<(&'static str, &[f64])> {
-    let value = |name: &&'static str| match *name {
-        "q" => (*name, &case.q[..]),
-        "qd" => (*name, &case.qd[..]),
-        _ => (*name, &case.qdd[..]),
+fn states(case: &Case) -> Vec<Array<'_>> {
+    let value = |name: &&'static str| Array {
+        name,
+        values: match *name {
+            "q" => &case.q,
+            "qd" => &case.qd,
+            _ => &case.qdd,
+        },
     };
-    case.code.what.states().iter().map(value).collect()
+    let mut arrays: Vec<Array<'_>> = case.code.what.states().iter().map(value).collect();
+    if case.code.takes_transmission() {
+        arrays.push(Array {
+            name: "g",
+            values: &case.g,
+        });
+    }
+    arrays
+}
+
+/// An array's name and its shape at one state.
+fn shaped(case: &Case, array: &Array<'_>) -> (&'static str, Vec<usize>) {
+    match array.name {
+        "g" => ("g", vec![case.code.joints.len(), case.code.independent]),
+        name => (name, vec![array.width()]),
+    }
 }
 
 fn size(code: &Code) -> usize {
@@ -121,20 +152,13 @@ fn size(code: &Code) -> usize {
 fn c_main(cases: &[Case], folder: &Path) -> PathBuf {
     let (mut declarations, mut calls) = (String::new(), String::new());
     for case in cases {
-        let (name, n, size) = (
-            case.code.function(),
-            case.code.joints.len(),
-            size(&case.code),
-        );
+        let (name, size) = (case.code.function(), size(&case.code));
         let mut parameters: Vec<String> = Vec::new();
         let mut arguments: Vec<String> = Vec::new();
         let _ = writeln!(calls, "  {{ double out[{size}]; int i, s;");
-        for (array, values) in states(case) {
-            let _ = writeln!(
-                calls,
-                "    const double {array}[] = {{{}}};",
-                numbers(values)
-            );
+        for array in states(case) {
+            let (array, n, values) = (array.name, array.width(), numbers(array.values));
+            let _ = writeln!(calls, "    const double {array}[] = {{{values}}};");
             parameters.push(format!("const double {array}[{n}]"));
             arguments.push(format!("{array} + s * {n}"));
         }
@@ -191,11 +215,7 @@ fn c_main(cases: &[Case], folder: &Path) -> PathBuf {
 fn rust_main(cases: &[Case], folder: &Path) -> PathBuf {
     let (mut modules, mut calls) = (String::new(), String::new());
     for (at, case) in cases.iter().enumerate() {
-        let (name, n, size) = (
-            case.code.function(),
-            case.code.joints.len(),
-            size(&case.code),
-        );
+        let (name, size) = (case.code.function(), size(&case.code));
         let _ = writeln!(modules, "pub mod m{at} {{ include!(\"{name}.rs\"); }}");
         let turns = case.code.main.count().trig > 0;
         let mut arguments = if turns {
@@ -204,8 +224,9 @@ fn rust_main(cases: &[Case], folder: &Path) -> PathBuf {
             String::new()
         };
         let _ = writeln!(calls, "    {{ let mut out = [0.0; {size}];");
-        for (array, values) in states(case) {
-            let _ = writeln!(calls, "      let {array} = [{}];", numbers(values));
+        for array in states(case) {
+            let (array, n, values) = (array.name, array.width(), numbers(array.values));
+            let _ = writeln!(calls, "      let {array} = [{values}];");
             let _ = write!(arguments, "{array}[s * {n}..][..{n}].try_into().unwrap(), ");
         }
         if case.code.what.takes_parameters() {
@@ -244,15 +265,15 @@ fn rust_main(cases: &[Case], folder: &Path) -> PathBuf {
 fn python_main(cases: &[Case], folder: &Path) -> PathBuf {
     let mut text = "import numpy as np\n".to_owned();
     for case in cases {
-        let (name, n) = (case.code.function(), case.code.joints.len());
+        let name = case.code.function();
         let _ = writeln!(text, "from {name} import *");
         let mut arguments: Vec<String> = Vec::new();
-        for (array, values) in states(case) {
-            let _ = writeln!(
-                text,
-                "{array} = np.array([{}]).reshape(-1, {n})",
-                numbers(values)
-            );
+        for array in states(case) {
+            let (values, array) = (numbers(array.values), shaped(case, &array));
+            let (array, shape) = array;
+            let shape: Vec<String> = shape.iter().map(usize::to_string).collect();
+            let shape = shape.join(", ");
+            let _ = writeln!(text, "{array} = np.array([{values}]).reshape(-1, {shape})");
             arguments.push(array.to_owned());
         }
         if case.code.what.takes_parameters() {
@@ -263,10 +284,12 @@ fn python_main(cases: &[Case], folder: &Path) -> PathBuf {
             });
         }
         let _ = writeln!(text, "out = {name}({})", arguments.join(", "));
-        let first = arguments.iter().map(|a| match a.starts_with('q') {
-            true => format!("{a}[0]"),
-            false => a.clone(),
-        });
+        let first = arguments
+            .iter()
+            .map(|a| match a.starts_with('q') || a == "g" {
+                true => format!("{a}[0]"),
+                false => a.clone(),
+            });
         let first: Vec<String> = first.collect();
         let _ = writeln!(
             text,
@@ -283,10 +306,15 @@ fn python_main(cases: &[Case], folder: &Path) -> PathBuf {
 fn octave_main(cases: &[Case], folder: &Path) -> PathBuf {
     let mut text = String::new();
     for case in cases {
-        let (name, n) = (case.code.function(), case.code.joints.len());
+        let name = case.code.function();
         let mut arguments: Vec<String> = Vec::new();
-        for (array, values) in states(case) {
-            let _ = writeln!(text, "{array} = reshape([{}], {n}, [])';", numbers(values));
+        for array in states(case) {
+            let (values, array) = (numbers(array.values), shaped(case, &array));
+            let (array, shape) = array;
+            let reversed: Vec<String> = shape.iter().rev().map(usize::to_string).collect();
+            let (reversed, last) = (reversed.join(", "), shape.len() + 1);
+            let _ = writeln!(text, "{array} = reshape([{values}], {reversed}, []);");
+            let _ = writeln!(text, "{array} = permute({array}, [{last}:-1:1]);");
             arguments.push(array.to_owned());
         }
         if case.code.what.takes_parameters() {

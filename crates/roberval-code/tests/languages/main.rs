@@ -36,7 +36,7 @@ fn check(driver: &Driver) {
 }
 
 #[test]
-fn there_are_twenty_robots_with_trees_prismatic_joints_and_couples_among_them() {
+fn there_are_twenty_robots_with_trees_prismatic_joints_couples_and_loops_among_them() {
     let cases = cases();
     let mut robots: Vec<&str> = cases.iter().map(|c| c.code.robot.as_str()).collect();
     robots.dedup();
@@ -44,6 +44,7 @@ fn there_are_twenty_robots_with_trees_prismatic_joints_and_couples_among_them() 
     assert!(cases.iter().any(Case::branches));
     assert!(cases.iter().any(Case::slides));
     assert!(cases.iter().any(Case::is_coupled));
+    assert!(cases.iter().any(Case::has_loops));
 }
 
 #[test]

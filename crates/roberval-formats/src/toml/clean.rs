@@ -4,7 +4,7 @@ use std::ops::Range;
 use roberval_mechanism::{Change, CleanPolicy, Field, NearMiss, RobotDescription, clean};
 use toml_edit::{Document, Item, Value};
 
-use super::{Section, link_tables, parse_toml, syntax, write};
+use super::{Section, link_tables, loops, parse_toml, syntax, write};
 use crate::error::FormatError;
 use crate::source::Source;
 use crate::splice::splice;
@@ -24,10 +24,15 @@ pub fn clean_toml(
     let description = parse_toml(text, source_name)?;
     let cleaned = clean(&description, policy);
     let source = Source::new(source_name, text)?;
+    let document = Document::parse(source.text).map_err(|error| syntax(&source, &error))?;
+    let robot = Section::new(&source, document.as_table(), "robot", 0);
     let edits = with_spans(&source, &description, |span| {
         let edit = |change: &Change| {
             let (key, index) = change_key(change);
-            let range = span(change.link.as_deref(), &key, index)?;
+            let range = match change.loop_frame() {
+                Some(frame) => loops::span(&robot, frame, change.field),
+                None => span(change.link.as_deref(), &key, index),
+            }?;
             Some((range, write::number(&change.became)))
         };
         cleaned.changes.iter().filter_map(edit).collect()

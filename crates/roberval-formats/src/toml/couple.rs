@@ -1,7 +1,9 @@
 //! `[[couple]]`: joints that follow from others.
 
-use roberval_mechanism::{Closure, Couple, CoupleError, JointKind, RobotDescription, Term};
-use roberval_scalar::{Constants, Quantity};
+use roberval_mechanism::{
+    Closure, Couple, CoupleError, Expression, JointKind, RobotDescription, Term,
+};
+use roberval_scalar::{Constants, Formula, Quantity};
 
 use super::section::Section;
 use super::{Tables, tables};
@@ -9,7 +11,7 @@ use crate::error::{Code, FormatError};
 use crate::source::Source;
 use crate::words::{nearest, quoted};
 
-const COUPLE_KEYS: &[&str] = &["joint", "equals", "offset"];
+const COUPLE_KEYS: &[&str] = &["joint", "equals", "offset", "expression"];
 
 /// The joints that follow from others, as far as names tell: they have no motor unless the
 /// file says so.
@@ -53,6 +55,14 @@ fn couple(section: &Section, robot: &RobotDescription) -> Result<Couple, FormatE
         .ok_or_else(|| missing(section, "joint", "\"2\""))?;
     let place = format!("couple of joint {}", quoted(&joint));
     let section = section.renamed(&place);
+    if let Some(expression) = expression(&section, &robot.constants)? {
+        return Ok(Couple {
+            joint,
+            terms: Vec::new(),
+            offset: Quantity::zero(),
+            expression: Some(expression),
+        });
+    }
     let inside = format!("{place}, equals");
     let equals = section
         .table("equals", &inside)?
@@ -78,7 +88,26 @@ fn couple(section: &Section, robot: &RobotDescription) -> Result<Couple, FormatE
         joint,
         terms,
         offset: offset.unwrap_or_else(Quantity::zero),
+        expression: None,
     })
+}
+
+/// `expression = "atan2(sin(q.1), 2)"`, in place of equals and offset.
+fn expression(section: &Section, constants: &Constants) -> Result<Option<Expression>, FormatError> {
+    let Some(text) = section.string("expression")? else {
+        return Ok(None);
+    };
+    for key in ["equals", "offset"] {
+        if section.table.contains_key(key) {
+            let what = format!("a couple has expression or {key}, not both");
+            let hint = "write the offset into the expression, joints as q.NAME";
+            return Err(section.fault(Code::Contradiction, key, what).hint(hint));
+        }
+    }
+    let formula = Formula::parse(text, constants)
+        .map_err(|error| section.literal("expression", text, error))?;
+    let text = text.trim().to_owned();
+    Ok(Some(Expression { text, formula }))
 }
 
 fn refused(
@@ -88,18 +117,14 @@ fn refused(
     error: &CoupleError,
 ) -> FormatError {
     let (table, offset) = tables[error.couple()];
-    let place = format!(
-        "couple of joint {}",
-        quoted(&robot.couples[error.couple()].joint)
-    );
-    let section = Section::new(source, table, &place, offset);
-    let joint = |name: &str| {
-        if robot.couples[error.couple()].joint == name {
-            "joint"
-        } else {
-            "equals"
-        }
+    let couple = &robot.couples[error.couple()];
+    let by = match couple.expression {
+        Some(_) => "expression",
+        None => "equals",
     };
+    let place = format!("couple of joint {}", quoted(&couple.joint));
+    let section = Section::new(source, table, &place, offset);
+    let joint = |name: &str| if couple.joint == name { "joint" } else { by };
     let at = |code, key: &str| section.fault(code, key, error.to_string());
     match error {
         CoupleError::Unknown { name, .. } => {
@@ -110,15 +135,16 @@ fn refused(
                 None => error.hint("write the name of the link that the joint moves"),
             }
         }
-        CoupleError::Fixed { name, .. } => at(Code::Contradiction, joint(name)),
+        CoupleError::NoAxis { name, .. } => at(Code::Contradiction, joint(name)),
         CoupleError::Twice { first, .. } => {
             let line = source.position(tables[*first].1).line;
             at(Code::Contradiction, "joint").hint(format!("the other one begins in line {line}"))
         }
-        CoupleError::Still { .. } => at(Code::Contradiction, "equals"),
+        CoupleError::Still { .. } => at(Code::Contradiction, by),
         CoupleError::Cycle { .. } => {
-            at(Code::CoupleCycle, "equals").hint("one of them must move by itself")
+            at(Code::CoupleCycle, by).hint("one of them must move by itself")
         }
-        CoupleError::TooLong { .. } => at(Code::LiteralTooLarge, "equals"),
+        CoupleError::Loops { .. } => at(Code::Contradiction, by),
+        CoupleError::TooLong { .. } => at(Code::LiteralTooLarge, by),
     }
 }

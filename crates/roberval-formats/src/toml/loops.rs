@@ -1,6 +1,10 @@
 //! Loops: `[[loop]]` tables.
 
-use roberval_mechanism::{Cut, LoopClosure, LoopError, Origin, ResolvedLoop, RobotDescription};
+use std::ops::Range;
+
+use roberval_mechanism::{
+    Cut, Field, LoopClosure, LoopError, Origin, ResolvedLoop, RobotDescription,
+};
 use roberval_scalar::{Constants, Quantity};
 use toml_edit::{Array, Value};
 
@@ -41,6 +45,29 @@ pub(super) fn read(
             Err(unresolved(&section, &error, description))
         }
     }
+}
+
+/// Where a number of a loop's frame stands in the text.
+pub(super) fn span(
+    robot: &Section,
+    (number, side): (usize, usize),
+    field: Field,
+) -> Option<Range<usize>> {
+    let tables = tables(robot, "loop").ok()?;
+    let (table, _) = tables.get(number)?;
+    let (key, k) = match field {
+        Field::Xyz(k) => ("xyz", k),
+        Field::Rpy(k) => ("rpy", k),
+        _ => return None,
+    };
+    let vector = match table.get("at") {
+        Some(at) => at.as_array()?.get(side)?,
+        None => {
+            let frames = table.get("frames")?.as_array()?;
+            frames.get(side)?.as_inline_table()?.get(key)?
+        }
+    };
+    vector.as_array()?.get(k)?.span()
 }
 
 fn unresolved(section: &Section, error: &LoopError, robot: &RobotDescription) -> FormatError {
@@ -130,13 +157,12 @@ fn frames(
     number: usize,
     constants: &Constants,
 ) -> Result<[Origin; 2], FormatError> {
-    let joint = format!("loop {number}");
-    let origin = |xyz, rpy| Origin {
-        joint: joint.clone(),
+    let origin = |side: usize, xyz, rpy| Origin {
+        joint: format!("loop {number}, frame {}", side + 1),
         xyz,
         rpy,
     };
-    let frame = |value: &Value| {
+    let frame = |side, value: &Value| {
         let Some(table) = value.as_inline_table() else {
             let what = "frames must be two tables";
             return Err(section
@@ -151,11 +177,11 @@ fn frames(
             Some(value) => numbers(&frame, key, value, read, constants),
         };
         let xyz = part("xyz", Quantity::parse_length)?;
-        Ok(origin(xyz, part("rpy", Quantity::parse_angle)?))
+        Ok(origin(side, xyz, part("rpy", Quantity::parse_angle)?))
     };
-    let point = |value: &Value| {
+    let point = |side, value: &Value| {
         let xyz = numbers(section, "at", value, Quantity::parse_length, constants)?;
-        Ok(origin(xyz, zeros()))
+        Ok(origin(side, xyz, zeros()))
     };
     match (pair(section, "at")?, pair(section, "frames")?) {
         (Some(at), None) => both(at, point),
@@ -174,9 +200,12 @@ fn frames(
 
 fn both<T>(
     array: &Array,
-    read: impl Fn(&Value) -> Result<T, FormatError>,
+    read: impl Fn(usize, &Value) -> Result<T, FormatError>,
 ) -> Result<[T; 2], FormatError> {
-    let mut values = array.iter().map(read);
+    let mut values = array
+        .iter()
+        .enumerate()
+        .map(|(side, value)| read(side, value));
     let mut next = || values.next().expect("an array of two");
     Ok([next()?, next()?])
 }

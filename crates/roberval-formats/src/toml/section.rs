@@ -91,6 +91,15 @@ impl<'s, 'd> Section<'s, 'd> {
         }
     }
 
+    /// The error for the text of a key that is no expression.
+    pub fn literal(&self, key: &str, text: &str, error: LiteralError) -> FormatError {
+        let value = self.table.get(key).and_then(Item::as_value);
+        let range = value.and_then(Value::span);
+        let place = format!("{}, {key}", self.place);
+        let range = range.unwrap_or(self.start..self.start);
+        self.source.literal(range, text, error).place(place)
+    }
+
     /// A string that is a valid name.
     pub fn name(&self, key: &str) -> Result<Option<String>, FormatError> {
         let Some(name) = self.string(key)? else {
@@ -163,8 +172,7 @@ impl<'s, 'd> Section<'s, 'd> {
                 .wrong_type(key, item, "three numbers")
                 .hint(format!("write {key} = [0, 0, 1]")));
         };
-        self.three(key, array, Quantity::parse_number, constants)
-            .map(Some)
+        self.three(key, array, read, constants).map(Some)
     }
 
     /// The three numbers of an array.

@@ -1,8 +1,8 @@
 use std::fmt::Write;
 
 use roberval_mechanism::{
-    Couple, Geometry, JointKind, LinkDescription, LoopClosure, ParameterKind, RobotDescription,
-    SourceFormat, Term,
+    Couple, Geometry, LinkDescription, LoopClosure, ParameterKind, RobotDescription, SourceFormat,
+    Term,
 };
 use roberval_scalar::Quantity;
 use toml_edit::{Key, Value};
@@ -62,16 +62,14 @@ fn link(text: &mut String, link: &LinkDescription, dependent: bool) -> Result<()
     line(text, "name", &string(&link.name));
     let antecedent = link.antecedent.as_deref().unwrap_or(BASE);
     line(text, "antecedent", &string(antecedent));
-    let (joint, moving) = match link.joint {
-        JointKind::Revolute => ("revolute", true),
-        JointKind::Prismatic => ("prismatic", true),
-        JointKind::Fixed => ("fixed", false),
-    };
-    line(text, "joint", &string(joint));
-    if link.active != (moving && !dependent) {
+    line(text, "joint", &string(link.joint.name()));
+    if link.active != (link.joint.has_axis() && !dependent) {
         line(text, "active", &link.active.to_string());
     }
-    if link.rotor != (link.active && moving) {
+    if link.massless {
+        line(text, "massless", "true");
+    }
+    if link.rotor != (link.active && link.joint.has_axis() && !link.massless) {
         line(text, "rotor", &link.rotor.to_string());
     }
     if let Some(joint) = &link.joint_name {
@@ -169,6 +167,10 @@ fn couple(text: &mut String, couple: &Couple) {
     let terms: Vec<String> = couple.terms.iter().map(term).collect();
     text.push_str("\n[[couple]]\n");
     line(text, "joint", &string(&couple.joint));
+    if let Some(expression) = &couple.expression {
+        line(text, "expression", &string(&expression.text));
+        return;
+    }
     line(text, "equals", &format!("{{ {} }}", terms.join(", ")));
     line(text, "offset", &number(&couple.offset));
 }

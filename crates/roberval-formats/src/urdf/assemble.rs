@@ -7,6 +7,7 @@ use super::UrdfOptions;
 use super::inertia::Inertia;
 use super::joint::Joint;
 use super::link::Link;
+use super::planar;
 use super::tree::Tree;
 use crate::error::{Code, FormatError, Position};
 use crate::source::Source;
@@ -28,7 +29,12 @@ pub(super) fn description(
 ) -> Result<RobotDescription, FormatError> {
     let kept = |j: usize| options.keep_fixed || joints[j].kind != JointKind::Fixed;
     let inertias = lumped(links, joints, tree, kept);
+    let floating = floating_root(source, joints, tree, kept, options)?;
     let mut described = Vec::new();
+    if let Some(root) = floating {
+        let inertia = parameters(source, &links[root], inertias[root])?;
+        described.push(floating_link(&links[root], inertia));
+    }
     let mut placements = 0;
     for &j in tree.order.iter().filter(|j| kept(**j)) {
         let (parent, child) = tree.ends[j];
@@ -41,21 +47,19 @@ pub(super) fn description(
                 .hint("keep the fixed joints as links of their own"));
         }
         let origins = chain.iter().rev().chain([&j]).map(|c| &joints[*c].origin);
-        let inertia = inertias[child].map_or(Ok(Default::default()), |i| i.parameters());
-        let link = &links[child];
-        let inertia = inertia.map_err(|error| {
-            source
-                .error(error.fault.into(), link.offset, "its inertia is too large")
-                .place(format!("link {}", quoted(&link.name)))
-        })?;
-        let antecedent = antecedent.map(|l| links[l].name.clone());
-        described.push(link_description(
-            link,
+        let antecedent = antecedent.or(floating).map(|l| links[l].name.clone());
+        let link = link_description(
+            &links[child],
             &joints[j],
             antecedent,
             origins.cloned().collect(),
-            inertia,
-        ));
+            parameters(source, &links[child], inertias[child])?,
+        );
+        if joints[j].planar {
+            described.extend(planar::chain(link, &joints[j].axis));
+        } else {
+            described.push(link);
+        }
     }
     let warnings = warnings(links, joints, &described);
     let mut robot = RobotDescription {
@@ -95,6 +99,53 @@ pub(crate) fn of_joints<'a>(
     robot(String::new(), pairs.map(link).collect())
 }
 
+/// The root link, if it is to float. A file with a floating joint says what floats; the
+/// joint must be on the root or on what is fixed to it.
+fn floating_root(
+    source: &Source,
+    joints: &[Joint],
+    tree: &Tree,
+    kept: impl Fn(usize) -> bool,
+    options: UrdfOptions,
+) -> Result<Option<usize>, FormatError> {
+    let Some(j) = joints.iter().position(|j| j.kind == JointKind::Floating) else {
+        let root = tree.above.iter().position(Option::is_none);
+        return Ok(root.filter(|_| options.floating));
+    };
+    match fixed_chain(tree, kept, tree.ends[j].0) {
+        (None, _) => Ok(None),
+        (Some(_), _) => {
+            let what = "a floating joint can only be the root link's";
+            Err(source
+                .error(Code::JointType, joints[j].offset, what)
+                .place(format!("joint {}", quoted(&joints[j].name)))
+                .hint("make it fixed, or analyse its child as a robot of its own"))
+        }
+    }
+}
+
+fn parameters(
+    source: &Source,
+    link: &Link,
+    inertia: Option<Inertia>,
+) -> Result<[Option<Quantity>; 11], FormatError> {
+    let parameters = inertia.map_or(Ok(Default::default()), |i| i.parameters());
+    parameters.map_err(|error| {
+        source
+            .error(error.fault.into(), link.offset, "its inertia is too large")
+            .place(format!("link {}", quoted(&link.name)))
+    })
+}
+
+/// The root link, moving freely.
+fn floating_link(link: &Link, inertia: [Option<Quantity>; 11]) -> LinkDescription {
+    LinkDescription {
+        name: link.name.clone(),
+        inertia,
+        ..LinkDescription::floating(SourceFormat::Urdf)
+    }
+}
+
 /// The mimic joints, by the links that joints move.
 fn couples(links: &[Link], joints: &[Joint], tree: &Tree) -> Vec<Couple> {
     let moved = |joint: usize| links[tree.ends[joint].1].name.clone();
@@ -107,6 +158,7 @@ fn couples(links: &[Link], joints: &[Joint], tree: &Tree) -> Vec<Couple> {
                 multiplier: mimic.multiplier.clone(),
             }],
             offset: mimic.offset.clone(),
+            expression: None,
         })
     };
     tree.order.iter().filter_map(couple).collect()
@@ -150,7 +202,8 @@ fn lumped(
     inertias
 }
 
-/// A mimic joint is not driven by itself, so it has no rotor of its own.
+/// A mimic joint is not driven by itself, so it has no rotor of its own, and nothing drives
+/// a floating one.
 fn link_description(
     link: &Link,
     joint: &Joint,
@@ -158,7 +211,7 @@ fn link_description(
     origins: Vec<Origin>,
     inertia: [Option<Quantity>; 11],
 ) -> LinkDescription {
-    let active = joint.kind != JointKind::Fixed && joint.mimic.is_none();
+    let active = joint.kind.has_axis() && joint.mimic.is_none();
     LinkDescription {
         name: link.name.clone(),
         joint_name: Some(joint.name.clone()),
@@ -166,6 +219,7 @@ fn link_description(
         joint: joint.kind,
         active,
         rotor: active,
+        massless: false,
         geometry: Geometry::Placed {
             origins,
             axis: joint.axis.clone(),
@@ -178,7 +232,7 @@ fn link_description(
 /// What the user should know, one sentence for each kind of remark.
 fn warnings(links: &[Link], joints: &[Joint], described: &[LinkDescription]) -> Vec<String> {
     let mut warnings = Vec::new();
-    if joints.iter().all(|j| j.kind == JointKind::Fixed) {
+    if described.iter().all(|l| l.joint == JointKind::Fixed) {
         warnings.push("no joint of the robot moves".to_owned());
     }
     let mut warn = |names: Vec<&str>, what: &str| {

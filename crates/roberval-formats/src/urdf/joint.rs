@@ -20,7 +20,10 @@ pub(crate) struct Mimic {
 pub(crate) struct Joint {
     pub name: String,
     pub offset: usize,
+    /// That of the last part of a planar joint.
     pub kind: JointKind,
+    /// Whether the child also slides in the plane at right angles to the axis.
+    pub planar: bool,
     pub parent: String,
     pub child: String,
     pub origin: Origin,
@@ -38,17 +41,18 @@ impl Named for Joint {
 impl Joint {
     pub fn read(element: &Element, name: &str) -> Result<Self, FormatError> {
         let (kind, limited) = kind(element)?;
-        let moving = kind != JointKind::Fixed;
+        let has_axis = kind.has_axis();
         Ok(Self {
             name: name.to_owned(),
             offset: element.offset(),
             kind,
+            planar: element.attribute("type")? == Some("planar"),
             parent: end(element, "parent")?,
             child: end(element, "child")?,
             origin: origin(element, name)?,
-            axis: if moving { axis(element)? } else { x_axis() },
+            axis: if has_axis { axis(element)? } else { x_axis() },
             limits: if limited { limits(element)? } else { None },
-            mimic: if moving { mimic(element)? } else { None },
+            mimic: if has_axis { mimic(element)? } else { None },
         })
     }
 }
@@ -73,18 +77,14 @@ const TYPES: [&str; 6] = [
 /// What the joint allows, and whether it has limits.
 fn kind(element: &Element) -> Result<(JointKind, bool), FormatError> {
     let name = element.required("type")?;
-    let supported = "revolute, continuous, prismatic and fixed joints are supported";
+    let supported = "a joint is revolute, continuous, prismatic, fixed, floating or planar";
     match name {
         "revolute" => Ok((JointKind::Revolute, true)),
         "continuous" => Ok((JointKind::Revolute, false)),
         "prismatic" => Ok((JointKind::Prismatic, true)),
         "fixed" => Ok((JointKind::Fixed, false)),
-        "floating" | "planar" => {
-            let what = format!("{name} joints are not supported yet");
-            Err(element
-                .attribute_fault("type", Code::JointType, what)
-                .hint(supported))
-        }
+        "floating" => Ok((JointKind::Floating, false)),
+        "planar" => Ok((JointKind::Revolute, false)),
         other => {
             let what = format!("unknown joint type {}", quoted(other));
             let error = element.attribute_fault("type", Code::JointType, what);

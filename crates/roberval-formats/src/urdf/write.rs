@@ -15,9 +15,14 @@ const BASE: &str = "base_link";
 /// and gravity, which URDF does not have; a comment tells them. Numbers are written in full.
 ///
 /// # Errors
-/// When a joint follows from several others, or an inertia has no centre of mass.
+/// When a joint follows from several others, an inertia has no centre of mass, or a link
+/// has no body.
 pub fn to_urdf(mechanism: &Mechanism) -> Result<String, FormatError> {
     let refuse = |what: String| FormatError::new(Code::NotWritable, mechanism.name.as_str(), what);
+    if !mechanism.description.loops.is_empty() {
+        let what = "a URDF holds trees only: the robot's loops would be lost";
+        return Err(refuse(what.to_owned()).hint("keep the robot TOML"));
+    }
     let mut text = String::new();
     // Writing to a string does not fail.
     let _ = writeln!(text, "<?xml version=\"1.0\"?>");
@@ -45,6 +50,12 @@ pub fn to_urdf(mechanism: &Mechanism) -> Result<String, FormatError> {
 }
 
 fn body(text: &mut String, link: &Link) -> Result<(), String> {
+    if link.massless {
+        let name = quoted(&link.name);
+        return Err(format!(
+            "link {name} has no body, which URDF cannot tell from an unknown one"
+        ));
+    }
     let name = escaped(&link.name);
     let Some(ten) = link.ten_parameters() else {
         let _ = writeln!(text, "  <link name=\"{name}\"/>");
@@ -83,6 +94,7 @@ fn joint(text: &mut String, mechanism: &Mechanism, j: usize, parent: &str) -> Re
         (JointKind::Revolute, None) => "continuous",
         (JointKind::Prismatic, _) => "prismatic",
         (JointKind::Fixed, _) => "fixed",
+        (JointKind::Floating, _) => "floating",
     };
     let name = joint_name(link);
     let _ = writeln!(
@@ -98,7 +110,7 @@ fn joint(text: &mut String, mechanism: &Mechanism, j: usize, parent: &str) -> Re
         "    <origin xyz=\"{} {} {}\" rpy=\"{roll} {pitch} {yaw}\"/>",
         p.x, p.y, p.z
     );
-    if link.joint != JointKind::Fixed {
+    if link.joint.has_axis() {
         let a = link.axis;
         let _ = writeln!(text, "    <axis xyz=\"{} {} {}\"/>", a.x, a.y, a.z);
     }

@@ -114,6 +114,48 @@ pub const COUPLES: &[Row] = &[
         &["r.toml:21:1", "equals must be a table"],
     ),
     (
+        "expression and terms",
+        "[[couple]]\njoint = \"b\"\nexpression = \"2*q.a\"\nequals = { \"a\" = 1 }\n",
+        "E211",
+        &["r.toml:22:1", "not both"],
+    ),
+    (
+        "expression without joints",
+        "[[couple]]\njoint = \"b\"\nexpression = \"pi/2\"\n",
+        "E211",
+        &["r.toml:21:1", "names no joint to follow"],
+    ),
+    (
+        "expression of an unknown joint",
+        "[[couple]]\njoint = \"b\"\nexpression = \"sin(q.aa)\"\n",
+        "E231",
+        &["r.toml:21:1", "\"aa\"", "did you mean \"a\"?"],
+    ),
+    (
+        "expression of itself",
+        "[[couple]]\njoint = \"b\"\nexpression = \"q.b*q.a\"\n",
+        "E230",
+        &["r.toml:21:1", "circle: \"b\" from \"b\""],
+    ),
+    (
+        "expression with an unknown function",
+        "[[couple]]\njoint = \"b\"\nexpression = \"1 + tan(q.a)\"\n",
+        "E105",
+        &["r.toml:21:19", "\"tan\"", "sin, cos, atan2 and sqrt"],
+    ),
+    (
+        "expression that ends too early",
+        "[[couple]]\njoint = \"b\"\nexpression = \"sin(q.a\"\n",
+        "E105",
+        &["r.toml:21:22", "the end", "expected )"],
+    ),
+    (
+        "expression of no kind",
+        "[[couple]]\njoint = \"b\"\nexpression = 3\n",
+        "E131",
+        &["r.toml:21:1", "expression must be a string"],
+    ),
+    (
         "couple of no kind",
         "couple = 3\n",
         "E130",

@@ -133,7 +133,10 @@ fn long_chains_need_neither_stack_nor_patience() {
     ))
     .unwrap();
     assert_eq!(last.links.len(), 1);
-    let kept = UrdfOptions { keep_fixed: true };
+    let kept = UrdfOptions {
+        keep_fixed: true,
+        floating: false,
+    };
     assert_eq!(
         parse_urdf(&chain(10_000, |_| "fixed"), "r", kept)
             .unwrap()
@@ -167,7 +170,10 @@ fn a_comb_on_fixed_joints_ends_in_a_limit() {
     }
     text += "</robot>";
     assert_eq!(code(urdf(&text)), Code::TooMany);
-    let kept = UrdfOptions { keep_fixed: true };
+    let kept = UrdfOptions {
+        keep_fixed: true,
+        floating: false,
+    };
     assert_eq!(parse_urdf(&text, "r", kept).unwrap().links.len(), 2000);
 }
 

@@ -65,7 +65,17 @@ fn bad_couples_are_refused_with_their_place() {
 fn bad_xml_is_refused_with_its_place() {
     for row in urdf_rows::FILES {
         for keep_fixed in [false, true] {
-            check(row, parse_urdf(row.1, "r.urdf", UrdfOptions { keep_fixed }));
+            check(
+                row,
+                parse_urdf(
+                    row.1,
+                    "r.urdf",
+                    UrdfOptions {
+                        keep_fixed,
+                        floating: false,
+                    },
+                ),
+            );
         }
     }
 }
@@ -78,7 +88,17 @@ fn bad_urdf_elements_are_refused_with_their_place() {
             row.1
         );
         for keep_fixed in [false, true] {
-            check(row, parse_urdf(&text, "r.urdf", UrdfOptions { keep_fixed }));
+            check(
+                row,
+                parse_urdf(
+                    &text,
+                    "r.urdf",
+                    UrdfOptions {
+                        keep_fixed,
+                        floating: false,
+                    },
+                ),
+            );
         }
     }
 }

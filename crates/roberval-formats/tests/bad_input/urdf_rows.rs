@@ -215,26 +215,18 @@ pub const ROBOTS: &[Row] = &[
         &["joint \"j\"", "type"],
     ),
     (
-        "floating joint",
-        "<joint name='j' type='floating'><parent link='a'/><child link='b'/></joint>",
+        "floating joint on a link that moves",
+        "<joint name='i' type='planar'><parent link='a'/><child link='b'/></joint>\
+        <link name='c'/>\n\
+        <joint name='j' type='floating'><parent link='b'/><child link='c'/></joint>",
         "E210",
-        &[
-            "r.urdf:4:17",
-            "joint \"j\"",
-            "floating joints are not supported yet",
-        ],
-    ),
-    (
-        "planar joint",
-        "<joint name='j' type='planar'><parent link='a'/><child link='b'/></joint>",
-        "E210",
-        &["planar", "not supported yet"],
+        &["r.urdf:5:1", "joint \"j\"", "can only be the root link's"],
     ),
     (
         "ball joint",
         "<joint name='j' type='ball'><parent link='a'/><child link='b'/></joint>",
         "E210",
-        &["\"ball\"", "supported"],
+        &["\"ball\"", "floating or planar"],
     ),
     (
         "misspelt type",

@@ -113,7 +113,10 @@ fn check_robot(robot: &RobotDescription) {
 }
 
 fn check_urdf(text: &str) -> String {
-    let kept = UrdfOptions { keep_fixed: true };
+    let kept = UrdfOptions {
+        keep_fixed: true,
+        floating: true,
+    };
     let lumped = parse_urdf(text, "fuzz", UrdfOptions::default());
     if let Ok(robot) = parse_urdf(text, "fuzz", kept) {
         check_robot(&robot);

@@ -4,7 +4,7 @@ use std::fmt;
 
 use roberval_scalar::Quantity;
 
-use crate::{Geometry, JointKind, Origin, RobotDescription};
+use crate::{Geometry, Origin, RobotDescription};
 
 /// Which number of a link (or of the robot, for gravity) it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -73,12 +73,14 @@ impl fmt::Display for Field {
 }
 
 /// Where a number stands: the link's index (0 for gravity), the origin's index in the
-/// link's chain (0 where there is none), the field.
+/// link's chain (0 where there is none), the field; or the loop's index and which of its
+/// two frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Place {
     pub link: usize,
     pub origin: usize,
     pub field: Field,
+    pub in_loop: bool,
 }
 
 /// A number of the description with the length of the direction that it belongs to.
@@ -92,7 +94,7 @@ pub(super) struct Literal<'d> {
 }
 
 /// The angles, lengths and directions of a description: everything that decides its
-/// structure. The axis of a fixed joint has no meaning and is left out.
+/// structure. The axis of a joint that needs none has no meaning and is left out.
 pub(super) fn literals(description: &RobotDescription) -> Vec<Literal<'_>> {
     let mut all = Vec::new();
     vector(&mut all, &description.gravity, 0, Field::Gravity);
@@ -112,6 +114,7 @@ pub(super) fn literals(description: &RobotDescription) -> Vec<Literal<'_>> {
                         link,
                         origin: 0,
                         field,
+                        in_loop: false,
                     },
                     quantity,
                     norm: 1.0,
@@ -120,25 +123,41 @@ pub(super) fn literals(description: &RobotDescription) -> Vec<Literal<'_>> {
             }
             Geometry::Placed { origins, axis } => {
                 for (index, origin) in origins.iter().enumerate() {
-                    placement(&mut all, link, index, origin);
+                    let place = Place {
+                        link,
+                        origin: index,
+                        field: Field::Xyz(0),
+                        in_loop: false,
+                    };
+                    placement(&mut all, place, origin);
                 }
-                if written.joint != JointKind::Fixed {
+                if written.joint.has_axis() {
                     vector(&mut all, axis, link, Field::Axis);
                 }
             }
         }
     }
+    for (number, closure) in description.loops.iter().enumerate() {
+        for (side, frame) in closure.frames.iter().enumerate() {
+            let place = Place {
+                link: number,
+                origin: side,
+                field: Field::Xyz(0),
+                in_loop: true,
+            };
+            placement(&mut all, place, frame);
+        }
+    }
     all
 }
 
-fn placement<'d>(all: &mut Vec<Literal<'d>>, link: usize, index: usize, origin: &'d Origin) {
+fn placement<'d>(all: &mut Vec<Literal<'d>>, place: Place, origin: &'d Origin) {
     let mut three = |numbers: &'d [Quantity; 3], field: fn(usize) -> Field| {
         for (k, quantity) in numbers.iter().enumerate() {
             all.push(Literal {
                 place: Place {
-                    link,
-                    origin: index,
                     field: field(k),
+                    ..place
                 },
                 quantity,
                 norm: 1.0,
@@ -162,6 +181,7 @@ fn vector<'d>(
             link,
             origin: 0,
             field: field(k),
+            in_loop: false,
         },
         quantity,
         norm,
@@ -179,6 +199,15 @@ fn length(numbers: &[Quantity; 3]) -> f64 {
 pub(super) fn at(description: &mut RobotDescription, place: Place) -> Option<&mut Quantity> {
     if let Field::Gravity(k) = place.field {
         return description.gravity.get_mut(k);
+    }
+    if place.in_loop {
+        let closure = description.loops.get_mut(place.link)?;
+        let frame = closure.frames.get_mut(place.origin)?;
+        return match place.field {
+            Field::Xyz(k) => frame.xyz.get_mut(k),
+            Field::Rpy(k) => frame.rpy.get_mut(k),
+            _ => None,
+        };
     }
     match &mut description.links.get_mut(place.link)?.geometry {
         Geometry::Mdh(g) => match place.field {

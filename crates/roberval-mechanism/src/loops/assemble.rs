@@ -43,6 +43,7 @@ impl Mechanism {
         self.closure = Some(Closure {
             laws: (0..active.len()).map(law).collect(),
             independent: assembly.independent.clone(),
+            formulas: Vec::new(),
         });
         self.assembly = Some(Arc::new(assembly));
         Ok(())

@@ -24,7 +24,8 @@ pub fn couple_laws<T: Real>(
     let laws = closure.laws.iter().enumerate();
     laws.filter_map(|(variable, law)| match law {
         VariableLaw::Affine(law) => Some((variable, law)),
-        VariableLaw::Independent(_) | VariableLaw::Implicit => None,
+        // Robots with loops have no formulas.
+        VariableLaw::Independent(_) | VariableLaw::Implicit | VariableLaw::Formula(_) => None,
     })
     .map(|(variable, law)| {
         let value = |x: &Quantity| T::of_quantity(x, constants);

@@ -66,11 +66,20 @@ pub fn coupled(mechanism: &Mechanism) -> Vec<bool> {
     };
     let mut coupled = vec![false; closure.laws.len()];
     for (variable, law) in closure.laws.iter().enumerate() {
-        if let VariableLaw::Affine(law) = law {
-            coupled[variable] = true;
-            for (place, _) in &law.terms {
-                coupled[closure.independent[*place]] = true;
+        match law {
+            VariableLaw::Affine(law) => {
+                coupled[variable] = true;
+                for (place, _) in &law.terms {
+                    coupled[closure.independent[*place]] = true;
+                }
             }
+            VariableLaw::Formula(formula) => {
+                coupled[variable] = true;
+                for source in formula.joints() {
+                    coupled[*source] = true;
+                }
+            }
+            VariableLaw::Independent(_) | VariableLaw::Implicit => {}
         }
     }
     coupled
@@ -82,12 +91,8 @@ impl<'m> ExactClosure<'m> {
         mechanism: &Mechanism,
         numbers: &mut FieldNumbers<'m, '_>,
     ) -> Result<Option<Self>, NotInField> {
-        let Some(closure) = mechanism
-            .closure
-            .as_ref()
-            .filter(|_| mechanism.assembly.is_none())
-        else {
-            return Ok(None); // loops are opened
+        let Some(closure) = mechanism.closure.as_ref().filter(|_| mechanism.is_affine()) else {
+            return Ok(None); // other constraints are opened
         };
         let powers = Powers::of(mechanism, closure);
         let coupled = coupled(mechanism);
@@ -103,7 +108,7 @@ impl<'m> ExactClosure<'m> {
         for (variable, (law, kind)) in closure.laws.iter().zip(kinds).enumerate() {
             let (row, offset) = match law {
                 VariableLaw::Independent(place) => (vec![(*place, one)], None),
-                VariableLaw::Implicit => return Ok(None),
+                VariableLaw::Implicit | VariableLaw::Formula(_) => return Ok(None),
                 VariableLaw::Affine(law) => {
                     let terms = law.terms.iter();
                     let row = terms.map(|(place, m)| Ok((*place, numbers.value(m)?)));

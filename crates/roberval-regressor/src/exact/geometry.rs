@@ -2,15 +2,16 @@
 //! are written here once.
 
 use roberval_mechanism::{
-    Geometry, JointKind, LinkDescription, MdhGeometry, Mechanism, Origin, ParameterSpace, Pose,
+    Geometry, LinkDescription, MdhGeometry, Mechanism, Origin, ParameterSpace, Pose,
 };
 use roberval_scalar::{Quantity, Scalar};
 
 use super::closure::coupled;
+use crate::tree::next_variable;
 use crate::vector::{Mat3, Vec3, add, apply, dot, product, scale};
 use crate::{
-    Body, Constants, DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion, JointStates,
-    Layout, Model, Projected, Transmission, Tree, dynamics, energy,
+    BaseState, Body, Constants, DenseRows, DynamicsWorkspace, EnergyWorkspace, JointMotion,
+    JointStates, Layout, Model, Projected, Transmission, Tree, dynamics, energy,
 };
 
 /// Cosine and sine.
@@ -45,8 +46,7 @@ pub(crate) fn tree<N: Numbers>(
     let mut dof = 0;
     let mut bodies = Vec::with_capacity(mechanism.links.len());
     for link in &mechanism.links {
-        let variable = (link.joint != JointKind::Fixed).then_some(dof);
-        dof += usize::from(variable.is_some());
+        let variable = next_variable(link.joint, &mut dof);
         let written = &description.links[link.in_file];
         let mut body = build.body(written, link.antecedent, variable)?;
         if variable.is_some_and(|v| coupled[v]) {
@@ -105,6 +105,7 @@ impl<N: Numbers> Builder<'_, N> {
             joint: link.joint,
             variable,
             rotor: link.rotor,
+            massless: link.massless,
             rotation,
             origin,
             axis,
@@ -196,6 +197,12 @@ impl<T: Scalar> RowsWorkspace<T> {
             dynamics: DynamicsWorkspace::new(tree),
             energy: EnergyWorkspace::new(tree),
         }
+    }
+
+    /// Where the base of a floating robot is and how it moves from now on.
+    pub(crate) fn move_base(&mut self, tree: &Tree<T>, base: &BaseState<T>) {
+        self.dynamics.move_base(tree, base);
+        self.energy.move_base(tree, base);
     }
 
     /// The model's rows (rows of a sample x C) of bodies that move as `motion` says; with

@@ -8,7 +8,8 @@ use super::closure::ExactClosure;
 use super::geometry::{Numbers, Rotation, RowsWorkspace, tree};
 use super::lengths::Lengths;
 use super::named::times;
-use crate::{Body, Constants, JointMotion, Model, Tree};
+use crate::base::{attitude, squared_length};
+use crate::{BaseState, Body, Constants, JointMotion, Model, Tree};
 
 /// A number of the description has no place in this field: try another prime.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -159,7 +160,8 @@ impl<'m> ExactModel<'m> {
     /// random values: a rotation enters at most three times, twice by `w x w` and once by
     /// transport, each with degree 2 in its half-angle tangent (2 N for the N-th power of a
     /// random one); velocities add 2. A joint that follows others at powers of their
-    /// rotations counts as often as these say.
+    /// rotations counts as often as these say. A floating base counts six times: its
+    /// attitude enters once, with gravity, with degree 2 in its quaternion.
     #[must_use]
     pub fn degree(&self) -> u64 {
         let joints = self
@@ -182,18 +184,19 @@ impl<'m> ExactModel<'m> {
         rows: &mut [Fp<'m>],
     ) {
         let rest = model == Model::D0;
+        if self.tree.is_floating() {
+            work.move_base(&self.tree, &self.base(rest, random));
+        }
         let Some(closure) = &self.closure else {
             let motion = |body: &Body<Fp<'m>>| self.free_motion(body, rest, random);
             work.fill(&self.tree, &self.space, model, motion, None, rows);
             return;
         };
         let constants = self.tree.constants;
-        let joints: Vec<&Body<Fp<'m>>> = self
-            .tree
-            .bodies
-            .iter()
-            .filter(|b| b.variable.is_some())
-            .collect();
+        let mut joints: Vec<&Body<Fp<'m>>> = Vec::with_capacity(self.tree.dof);
+        for body in &self.tree.bodies {
+            joints.extend(std::iter::repeat_n(body, body.joint.dof()));
+        }
         let motions = closure.motions(constants, rest, random, |variable, qd, qdd, random| {
             self.motion(joints[variable], qd, qdd, random)
         });
@@ -207,6 +210,33 @@ impl<'m> ExactModel<'m> {
     #[must_use]
     pub fn workspace(&self) -> ExactWorkspace<'m> {
         RowsWorkspace::new(&self.tree)
+    }
+
+    /// A random state of a floating base: the attitude of a random quaternion, of any
+    /// length that has an inverse.
+    fn base(&self, rest: bool, random: &mut SplitMix64) -> BaseState<Fp<'m>> {
+        let constants = self.tree.constants;
+        let mut three = || [(); 3].map(|()| self.modulus.random(random));
+        let (position, v, w, dv, dw) = (three(), three(), three(), three(), three());
+        let (quaternion, inverse) = loop {
+            let quaternion = [(); 4].map(|()| self.modulus.random(random));
+            if let Some(inverse) = squared_length(quaternion).inverse() {
+                break (quaternion, inverse);
+            }
+        };
+        let state = BaseState {
+            attitude: attitude(quaternion, inverse, constants),
+            position,
+            v,
+            w,
+            dv,
+            dw,
+        };
+        if rest {
+            state.at_rest(constants.zero)
+        } else {
+            state
+        }
     }
 
     /// A random motion of a joint by itself.
@@ -251,7 +281,7 @@ impl<'m> ExactModel<'m> {
                 break;
             },
             JointKind::Prismatic => q = draw(),
-            JointKind::Fixed => {}
+            JointKind::Fixed | JointKind::Floating => {}
         }
         JointMotion {
             cos,

@@ -6,7 +6,7 @@ use roberval_scalar::{DoubleDouble, Quantity, Real};
 use super::NotInField;
 use super::geometry::{Numbers, Rotation, RowsWorkspace, pose, tree};
 use crate::loops::{LoopExpansion, precise_linkage};
-use crate::{Body, Constants, Expansion, JointMotion, Model, NoValue, Tree};
+use crate::{BaseState, Body, Constants, Expansion, JointMotion, Model, NoValue, Tree};
 
 /// A robot in double-double arithmetic: gives regressor rows at states near those asked
 /// for.
@@ -59,9 +59,10 @@ impl PreciseModel {
     }
 
     /// Fills `rows` (rows of a sample x C, row-major) at the state `q`, `qd`, `qdd` of the
-    /// independent joints (m numbers each). Without constraints a revolute joint stands at
-    /// the point of the circle whose half-angle tangent is the double next to that of q:
-    /// exactly on the circle, nearly at q. Rows of h are not yet differences.
+    /// independent joints (as [`crate::States`] has them). Without constraints a revolute
+    /// joint stands at the point of the circle whose half-angle tangent is the double next to
+    /// that of q: exactly on the circle, nearly at q; a floating base has the attitude of its
+    /// quaternion, whatever its length. Rows of h are not yet differences.
     ///
     /// # Errors
     /// [`NoValue`] if the constraints have no value at this state.
@@ -76,6 +77,15 @@ impl PreciseModel {
         rows: &mut [DoubleDouble],
     ) -> Result<(), NoValue> {
         let rest = model == Model::D0;
+        if self.tree.is_floating() {
+            let constants = self.tree.constants;
+            let mut base = BaseState::read([q, qd, qdd], constants, |x| DoubleDouble::ONE / x);
+            if rest {
+                base = base.at_rest(constants.zero);
+            }
+            work.move_base(&self.tree, &base);
+        }
+        let q = self.tree.variables(q);
         if let Some(expansion) = &self.expansion {
             let exact = |x: &[f64]| x.iter().map(|&x| x.into()).collect::<Vec<DoubleDouble>>();
             let velocities = if rest {

@@ -14,9 +14,9 @@ use roberval_scalar::{LinearInPi, Quantity};
 
 use super::angles::{AngleOrder, angles};
 
-/// Multiples up to this share a unit: angles below a turn with six decimals do. The failure
-/// probability of one field grows with them, to 1e-8 on robots with dozens of such angles.
-const MOST_STEPS: u64 = 1 << 23;
+/// Multiples up to this share a unit: angles below a turn with seven decimals do. The failure
+/// probability of one field grows with them, to 1e-6 on robots with dozens of such angles.
+const MOST_STEPS: u64 = 1 << 26;
 
 /// What is left of an angle without its whole multiples of 2 pi/n.
 #[derive(Debug, Clone, PartialEq)]

@@ -45,6 +45,8 @@ pub(super) fn expression(text: &str, degrees: Degrees) -> Result<Expr, LiteralEr
     Err(parser.unexpected(match (parser.word(), degrees) {
         ("deg", Degrees::Allowed) => "deg applies to all before it: write (a + b) deg",
         ("deg", Degrees::Refused) => "only an angle may be in degrees",
+        ("degree" | "degrees", Degrees::Allowed) => "write degrees as deg",
+        ("rad" | "radians", Degrees::Allowed) => "an angle without a unit is in radians",
         _ => "expected + - * / or the end",
     }))
 }

@@ -30,10 +30,7 @@ pub fn texts(answer: &SymbolicRelations) -> Vec<String> {
             let factored = Factored::of(coefficient, &answer.variables).expect("a polynomial");
             text += if factored.negative { " - " } else { " + " };
             let factor = factored.text(Notation::Text);
-            text += &[factor.as_str(), &labels[column]]
-                .join(" ")
-                .trim_start()
-                .to_owned();
+            text += [factor.as_str(), &labels[column]].join(" ").trim_start();
         }
         text
     })

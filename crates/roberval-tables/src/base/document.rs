@@ -2,11 +2,11 @@ use roberval_base::{BaseParameters, Engine};
 use roberval_mechanism::ParameterKind;
 
 use super::{Class, rounded_values};
-use crate::couples;
 use crate::document::{Block, Column, Document, Item, Table, Tint};
 use crate::number::{scientific, shortest, size};
 use crate::relation::{self, Label};
 use crate::robot;
+use crate::{couples, loops};
 
 /// A spectrum longer than this is shown around the gap only.
 const LONGEST_SPECTRUM: usize = 120;
@@ -68,18 +68,17 @@ fn certainty(answer: &BaseParameters) -> Vec<String> {
         "the relations hold at fresh samples to {}",
         size(diagnosis.residual)
     );
+    if let Some(mut lines) = loops::decided(answer) {
+        lines[0] = format!("{}; {fresh}", lines[0]);
+        lines.push(format!("In floats: {}", witnesses(answer)));
+        lines.extend(cleaning(answer));
+        return lines;
+    }
     let Some(structure) = &diagnosis.structure else {
         let clear = if diagnosis.clear { "clear" } else { "DOUBTFUL" };
         return vec![format!("The rank is {clear}: {}; {fresh}", gap(answer))];
     };
-    let witnesses: Vec<String> = diagnosis
-        .witnesses
-        .iter()
-        .map(|w| {
-            let gap = w.gap_at_structural.map_or("none".to_owned(), size);
-            format!("{} {} (gap {gap})", w.engine.name(), w.rank)
-        })
-        .collect();
+    let witnesses = witnesses(answer);
     vec![
         format!(
             "Structural rank {} (exact, {} primes, failure probability below {}); {fresh}",
@@ -88,16 +87,25 @@ fn certainty(answer: &BaseParameters) -> Vec<String> {
             size(structure.failure_probability)
         ),
         match structure.nullspace_rank {
-            Some(rank) => format!(
-                "Nullspace algorithm {rank}; in floats: {}",
-                witnesses.join(", ")
-            ),
-            None => format!("In floats: {}", witnesses.join(", ")),
+            Some(rank) => format!("Nullspace algorithm {rank}; in floats: {witnesses}"),
+            None => format!("In floats: {witnesses}"),
         },
     ]
     .into_iter()
     .chain(cleaning(answer))
     .collect()
+}
+
+/// `svd 40 (gap 1.0e13), ...`
+fn witnesses(answer: &BaseParameters) -> String {
+    let witnesses = answer.diagnosis.witnesses.iter();
+    let texts: Vec<String> = witnesses
+        .map(|w| {
+            let gap = w.gap_at_structural.map_or("none".to_owned(), size);
+            format!("{} {} (gap {gap})", w.engine.name(), w.rank)
+        })
+        .collect();
+    texts.join(", ")
 }
 
 /// What was set right before.
@@ -203,10 +211,10 @@ fn classification(answer: &BaseParameters) -> Document {
     columns.extend(ParameterKind::ALL.map(|kind| Column::right(kind.name())));
     columns.push(Column::right("kept"));
     let kept = |class: &Class| matches!(class, Class::Unchanged | Class::RegroupedInto);
-    let rows = answer.mechanism.links.iter().enumerate().map(|(j, link)| {
+    let links = answer.mechanism.links.iter().enumerate();
+    let rows = links.filter(|(_, l)| !l.massless).map(|(j, link)| {
         let first = answer.parameters.first_column(j);
-        let count = if link.rotor { 11 } else { 10 };
-        let classes = &classes[first..first + count];
+        let classes = &classes[first..first + link.columns()];
         let mut row = vec![Item::text(&link.name)];
         row.extend((0..11).map(|k| {
             classes

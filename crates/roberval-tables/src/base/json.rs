@@ -3,9 +3,9 @@ use roberval_mechanism::Change;
 use serde_json::{Map, Value, json};
 
 use super::values;
-use crate::couples;
 use crate::json::pretty;
 use crate::robot;
+use crate::{couples, loops};
 
 /// The answer for programs: `"schema": 1`, keys in this order.
 pub(crate) fn json(answer: &BaseParameters) -> String {
@@ -191,6 +191,7 @@ pub(crate) fn diagnosis(answer: &BaseParameters) -> Value {
         "residual": diagnosis.residual,
         "messages": diagnosis.messages,
         "structural": structure(answer),
+        "precision": loops::precision(answer),
         "float": witnesses(answer),
         "literal": literal(answer),
     })

@@ -3,8 +3,8 @@
 use roberval_base::BaseParameters;
 
 use super::html::{list, text};
-use crate::couples;
 use crate::number::size;
+use crate::{couples, loops};
 
 pub(super) fn section(answer: &BaseParameters) -> String {
     let messages = &answer.diagnosis.messages;
@@ -42,6 +42,11 @@ fn decided(answer: &BaseParameters) -> Vec<String> {
                 "The parameter nullspace algorithm, which shares no code with the regressor, counts {rank}."
             )
         }));
+        lines.extend(couples::lines(&answer.mechanism));
+        lines.extend(couples::removed(answer));
+    }
+    if let Some(precise) = loops::decided(answer) {
+        lines.extend(precise.into_iter().map(|line| format!("{line}.")));
         lines.extend(couples::lines(&answer.mechanism));
         lines.extend(couples::removed(answer));
     }

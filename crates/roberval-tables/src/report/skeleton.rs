@@ -198,6 +198,11 @@ fn joint(
             "<path class=\"fill edge\" d=\"M{0:.1},0L0,{0:.1}L{1:.1},0L0,{1:.1}Z\"/>",
             -r, r
         ),
+        JointKind::Floating => write!(
+            svg,
+            "<circle class=\"fill edge\" r=\"{r:.1}\"/><circle class=\"cap edge\" r=\"{:.1}\"/>",
+            0.5 * r
+        ),
     };
     svg.push_str("</g></g>");
 }

@@ -100,7 +100,7 @@ pub(super) fn lanes(mechanism: &Mechanism, row: &Row, widest: usize, class: &str
     )
 }
 
-/// A disc turns, a square slides, a rhomb is fixed, a bar is the base.
+/// A disc turns, a square slides, a rhomb is fixed, a ring floats, a bar is the base.
 fn sign(mechanism: &Mechanism, link: Option<usize>, x: usize, y: usize) -> String {
     let Some(link) = link else {
         return format!(
@@ -122,6 +122,9 @@ fn sign(mechanism: &Mechanism, link: Option<usize>, x: usize, y: usize) -> Strin
             "<path class=\"fill edge\" d=\"M{x},{}l7,7l-7,7l-7,-7z\"/>",
             y - 7
         ),
+        JointKind::Floating => format!(
+            "<circle class=\"fill edge\" cx=\"{x}\" cy=\"{y}\" r=\"8\"/><circle class=\"cap edge\" cx=\"{x}\" cy=\"{y}\" r=\"4\"/>"
+        ),
     }
 }
 
@@ -133,7 +136,7 @@ pub(super) fn widest(rows: &[Row]) -> usize {
 /// `revolute joint elbow`, as text of the page.
 pub(super) fn joint(mechanism: &Mechanism, link: usize) -> String {
     let link = &mechanism.links[link];
-    let kind = crate::robot::kind_name(link.joint);
+    let kind = link.joint.name();
     match &link.joint_name {
         Some(name) => format!("{kind} joint {}", text(name)),
         None => format!("{kind} joint"),

@@ -32,8 +32,10 @@ pub(crate) fn json(mechanism: &Mechanism) -> String {
             "links": mechanism.links.len(),
             "joint_variables": mechanism.dof(),
             "independent": mechanism.independent(),
+            "positions": mechanism.positions(),
             "standard": space.len(),
         },
+        "rows": mechanism.row_names(),
         "constants": constants,
         "geometry": geometry,
         "constraints": couples::json(mechanism),
@@ -76,6 +78,7 @@ fn geometry(link: &LinkDescription, couple: Option<&Couple>) -> Value {
     };
     value["active"] = link.active.into();
     value["rotor"] = link.rotor.into();
+    value["massless"] = link.massless.into();
     value["limits"] = json!(link.limits.map(|(lower, upper)| [lower, upper]));
     value["couple"] = match couple {
         None => Value::Null,
@@ -85,6 +88,7 @@ fn geometry(link: &LinkDescription, couple: Option<&Couple>) -> Value {
             json!({
                 "equals": Value::Object(terms.collect()),
                 "offset": quantity(&couple.offset),
+                "expression": couple.expression.as_ref().map(|e| &e.text),
             })
         }
     };

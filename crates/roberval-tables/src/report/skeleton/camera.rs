@@ -90,7 +90,7 @@ impl Camera {
         let pairs = points.windows(2);
         let apart = |pair: &[Vector3<f64>]| {
             let ([a, b], [c, d]) = (self.point(&pair[0]), self.point(&pair[1]));
-            (a - c).hypot(b - d).min(120.0)
+            (a - c).hypot(b - d)
         };
         pairs.map(apart).sum()
     }

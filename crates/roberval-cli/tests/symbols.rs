@@ -1,0 +1,116 @@
+//! Relations in symbols and generated code from the command line.
+
+mod common;
+
+use common::{Folder, roberval};
+
+#[test]
+fn table_v_is_printed_in_symbols() {
+    let run = roberval(&["base", "puma560", "--symbolic"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    for line in [
+        "ZZR_1 = ZZ_1 + YY_2 + YY_3 + 2 R3 MZ_3 + (D3^2 + R3^2) M_3 + (D3^2 + D4^2 + R3^2) (M_4 + M_5 + M_6)",
+        "XYR_3 = XY_3 - D4 MZ_4 - D4 R4 (M_4 + M_5 + M_6)",
+        "XXR_6 = XX_6 - YY_6",
+    ] {
+        assert!(run.out.contains(line), "{}", run.out);
+    }
+    assert!(
+        run.out
+            .contains("rule: mass along a revolute joint's axis: ")
+    );
+    assert!(!run.out.contains("elimination"));
+}
+
+#[test]
+fn relations_in_symbols_have_all_forms() {
+    let folder = Folder::new("symbols");
+    let sympy = folder.path("relations.py");
+    let json = &[
+        "base",
+        "sr400",
+        "--symbolic",
+        "--sympy",
+        &sympy,
+        "--format",
+        "json",
+    ];
+    let run = roberval(json);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let value: serde_json::Value = serde_json::from_str(&run.out).expect("JSON");
+    let relation = &value["relations"]["MX_7"];
+    assert_eq!(relation["text"], "MX_7 - D8/D3 MX_8 + D8 M_8");
+    assert_eq!(relation["sympy"], "MX_7 - D8/D3*MX_8 + D8*M_8");
+    assert_eq!(
+        relation["latex"],
+        "MX_{R7} = MX_{7} - \\frac{D_{8}}{D_{3}}\\,MX_{8} + D_{8}\\,M_{8}"
+    );
+    let module = std::fs::read_to_string(&sympy).expect("written");
+    assert!(
+        module.contains("    \"MX_7\": MX_7 - D8/D3*MX_8 + D8*M_8,\n"),
+        "{module}"
+    );
+    let latex = roberval(&["base", "stanford", "--symbolic", "--format", "latex"]);
+    assert!(
+        latex.out.contains("2 R_{2}\\,MZ_{2} + R_{2}^{2}\\,M_{2}"),
+        "{}",
+        latex.out
+    );
+}
+
+#[test]
+fn code_goes_to_its_file_and_its_cost_is_told() {
+    let folder = Folder::new("code");
+    let file = folder.path("puma.c");
+    let run = roberval(&[
+        "code", "puma560", "--lang", "c", "--what", "tau", "-o", &file,
+    ]);
+    assert_eq!((run.code, run.out.as_str()), (0, ""), "{}", run.err);
+    assert!(
+        run.err
+            .contains("251 multiplications, 228 additions, 10 sines and cosines a state")
+    );
+    let text = std::fs::read_to_string(&file).expect("written");
+    assert!(text.contains("void puma_560_tau(const double q[6], const double qd[6]"));
+    assert!(text.contains(" *   40 Ia_6 [kg m^2 or kg]\n"));
+    let again = roberval(&["code", "puma560"]);
+    assert_eq!(again.out, text);
+}
+
+#[test]
+fn the_cost_of_standard_and_reduced_model_stands_side_by_side() {
+    let run = roberval(&["code", "stanford", "--counts", "--format", "json"]);
+    let value: serde_json::Value = serde_json::from_str(&run.out).expect("JSON");
+    let sum = |model: &str| {
+        let state = &value[model]["state"];
+        state["mul"].as_u64().expect("a count") + state["add"].as_u64().expect("a count")
+    };
+    assert_eq!(sum("reduced"), 220 + 203);
+    assert!(sum("standard") > sum("reduced"));
+    assert_eq!(
+        value["reduced"]["links"].as_array().expect("links").len(),
+        6
+    );
+    let table = roberval(&["code", "stanford", "--counts"]);
+    assert!(table.out.contains("a state"), "{}", table.out);
+}
+
+#[test]
+fn bad_requests_are_told() {
+    for (args, message) in [
+        (&["code", "puma560", "--lang", "cobol"][..], "cobol"),
+        (
+            &["code", "puma560", "--what", "mass", "--friction"],
+            "friction is a part of tau only",
+        ),
+        (&["base", "puma560", "--sympy", "x.py"], "--symbolic"),
+        (
+            &["base", "puma560", "--symbolic", "--report", "x.html"],
+            "--report",
+        ),
+    ] {
+        let run = roberval(args);
+        assert_eq!(run.code, 2, "{args:?}");
+        assert!(run.err.contains(message), "{args:?}: {}", run.err);
+    }
+}

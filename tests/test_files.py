@@ -1,0 +1,109 @@
+"""Certificates and cleaned files: what Python writes, and what it says when it cannot."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import roberval as rv
+from conftest import SHARED
+
+ROUNDED = """<robot name="arm"><link name="base"/><link name="upper"/><!-- kept -->
+<joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/>
+<origin xyz="0 0 0.3" rpy="1.5708 1.57 0"/><axis xyz="0 0 1"/></joint></robot>
+"""
+
+
+def checker(*arguments: object) -> tuple[int, str]:
+    """Run the checker; return its exit code and all it says."""
+    command = [sys.executable, "-m", "roberval.check_certificate", *map(str, arguments)]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    return run.returncode, run.stdout + run.stderr
+
+
+def test_a_saved_certificate_is_accepted_and_a_changed_one_refused(
+    tmp_path: Path, base: rv.BaseParameters
+) -> None:
+    path = tmp_path / "cert.json"
+    base.save_certificate(path)
+    assert json.loads(path.read_text(encoding="utf-8")) == base.certificate()
+    assert checker(path) == (0, "accepted: PUMA 560: 40 base parameters of 66\n")
+    path.write_text(path.read_text().replace('"MX_2"', '"MX_3"', 1))
+    code, said = checker(path)
+    assert code == 1
+    assert said.startswith("refused: ")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [(None, "No such file"), ("", "Expecting value"), ("{}", "no certificate"), ("[", "Expecting")],
+)
+def test_what_is_no_certificate_is_told_from_a_wrong_one(
+    tmp_path: Path, text: str | None, words: str
+) -> None:
+    path = tmp_path / "cert.json"
+    if text is not None:
+        path.write_text(text)
+    code, said = checker(path)
+    assert (code, said.count("\n")) == (2, 1)
+    assert said.startswith(f"cannot read {path}: ")
+    assert words in said
+    assert checker()[0] == 2
+
+
+def test_only_the_exact_engine_certifies(tmp_path: Path, puma: rv.Robot) -> None:
+    path = tmp_path / "cert.json"
+    with pytest.raises(rv.OptionError, match="leave the engine at exact"):
+        puma.base_parameters(engine="qr").save_certificate(path)
+    assert not path.exists()
+
+
+def test_a_file_that_cannot_be_written_leaves_nothing(
+    tmp_path: Path, base: rv.BaseParameters
+) -> None:
+    (tmp_path / "folder").mkdir()
+    for target in (tmp_path / "folder", tmp_path / "missing" / "cert.json"):
+        with pytest.raises(OSError, match=r"cert|folder|directory"):
+            base.save_certificate(target)
+    assert [path.name for path in tmp_path.rglob("*")] == ["folder"]
+
+
+def test_a_cleaned_file_has_its_roundings_set_right_and_the_rest_as_it_was(tmp_path: Path) -> None:
+    source, target = tmp_path / "arm.urdf", tmp_path / "clean.urdf"
+    source.write_text(ROUNDED)
+    cleaned = rv.clean_file(source, target)
+    assert target.read_text() == ROUNDED.replace("1.5708", "1.5707963267948966")
+    assert [len(part) for part in cleaned] == [1, 1]
+    assert "1.5708" in cleaned.changes[0]
+    assert "1.57" in cleaned.near_misses[0]
+    assert rv.clean_file(source, source, aggressive=True).near_misses == ()
+    assert "1.57 " not in source.read_text()
+    with pytest.raises(rv.RobotError, match="no such file"):
+        rv.clean_file(tmp_path / "none.urdf", target)
+
+
+@pytest.mark.parametrize("path", [3, None, b"arm.urdf", ["puma560"]])
+def test_what_is_no_path_is_told_what_would_be(path: Any) -> None:
+    with pytest.raises(TypeError, match="load takes a file's path or the name of a built-in"):
+        rv.load(path)
+
+
+def test_files_that_ros_reads_are_read_with_a_warning() -> None:
+    folder = SHARED / "data" / "kuka_lwr4_flobaroid"
+    if not folder.is_dir():
+        pytest.skip(f"no {folder} beside the checkout")
+    for file in sorted(folder.glob("*.urdf")):
+        with pytest.warns(rv.RobotWarning, match="line 55.*a second <origin>: the first is taken"):
+            robot = rv.load(file)
+        assert robot.base_parameters().rank == 48
+
+
+def test_links_without_inertia_are_shown_and_not_warned_of(recwarn: Any) -> None:
+    robot = rv.Robot.from_urdf(ROUNDED.replace("1.57 ", "0.2 "))
+    assert robot.base_parameters().rank == 3
+    assert not recwarn.list
+    assert "needs none" in robot.to_markdown()
