@@ -124,7 +124,9 @@ def compare(name: str, rv: Any, robot: Any, regressor: float, rnea: float) -> No
     ]
     memory = np.zeros((LARGE if n < 20 else LARGE // 20, n, c))
     many = large[:, : len(memory)]
-    tasks.append(("W in memory", lambda: robot.regressor(*many, out=memory), len(memory), regressor))
+    tasks.append(
+        ("W in memory", lambda: robot.regressor(*many, out=memory), len(memory), regressor)
+    )
     for task, call, samples, theirs in tasks:
         ours = best(call) / samples * 1e9
         print(f"{name:8} {task:24} {ours:9.1f} {theirs:9.1f} {theirs / ours:7.1f}", flush=True)

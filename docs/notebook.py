@@ -21,8 +21,8 @@ CELLS = [
     "Which parameters can its motion tell? Green ones stay as they are, blue ones take up the"
     " orange ones, grey ones have no effect.",
     ">base = robot.base_parameters()\nbase",
-    "Why so many and not more? After the fortieth value the spectrum falls by nearly fifteen powers of"
-    " ten. The number itself was decided exactly; this is the witness.",
+    "Why so many and not more? After the fortieth value the spectrum falls by nearly fifteen"
+    " powers of ten. The number itself was decided exactly; this is the witness.",
     ">ax = base.plot.spectrum()",
     "The coefficients of the sums:",
     ">ax = base.plot.beta()",

@@ -131,7 +131,7 @@ class Peer:
 
     def torques(self, *state: Array) -> Array:
         torques: Array = np.array(self.pin.rnea(self.model, self.data, *self.state(*state)))
-        return torques[self.rows]
+        return np.asarray(torques[self.rows])
 
     def check(self) -> None:
         labels = self.robot.parameters
@@ -250,7 +250,10 @@ def test_a_free_joint_of_mujoco_and_a_free_flyer_of_pinocchio_float() -> None:
         <body name='fin' pos='.1 .2 .3'><joint name='hinge' axis='0 1 0' armature='.2'/>
         <geom size='.1' pos='.3 .1 0' mass='2'/></body></body></worldbody></mujoco>"""
     )
-    for robot in (rv.Robot.from_mujoco(model), rv.Robot.from_pinocchio(pin.buildModelFromXML(FREE))):
+    for robot in (
+        rv.Robot.from_mujoco(model),
+        rv.Robot.from_pinocchio(pin.buildModelFromXML(FREE)),
+    ):
         assert robot.is_floating
         assert robot.velocities[0] == "hull.vx"
         assert robot.base_parameters().rank == 10 + 7 + 1

@@ -26,6 +26,9 @@ ARMS = [
     "erd/double_pendulum_description/urdf/double_pendulum.urdf",
 ]
 
+LOOPED = ("four_bar", "delta")
+"""Built-in robots with loops."""
+
 COUPLED = ("hitachi_hpr", "sr400")
 """Built-in robots with joints that follow from several others."""
 
@@ -150,7 +153,9 @@ def test_torques_of_a_random_model_are_pinocchios() -> None:
 
 
 @pytest.mark.filterwarnings("ignore:.*inertia that no body has:roberval.RobotWarning")
-@pytest.mark.parametrize("entry", [e.name for e in rv.catalogue() if e.name not in COUPLED])
+@pytest.mark.parametrize(
+    "entry", [e.name for e in rv.catalogue() if e.name not in COUPLED + LOOPED]
+)
 def test_a_robot_written_as_urdf_is_the_same_robot(entry: str) -> None:
     robot = rv.load(entry, rotors=False)
     again = rv.Robot.from_urdf(robot.to_urdf(), rotors=False, gravity=robot.gravity.tolist())
@@ -159,6 +164,12 @@ def test_a_robot_written_as_urdf_is_the_same_robot(entry: str) -> None:
     assert other.base == base.base
     assert other.relations.text == base.relations.text
     assert other.diagnosis.messages == base.diagnosis.messages
+
+
+@pytest.mark.parametrize("entry", LOOPED)
+def test_a_robot_with_loops_is_not_written_as_urdf(entry: str) -> None:
+    with pytest.raises(rv.RobotError, match="trees only"):
+        rv.load(entry).to_urdf()
 
 
 @pytest.mark.parametrize("entry", COUPLED)

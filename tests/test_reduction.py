@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 import roberval as rv
 from roberval import reducing
 
@@ -30,7 +29,7 @@ def data(n: int, count: int, seed: int = 0) -> tuple[np.ndarray, ...]:
 
 
 def one_shot(W: np.ndarray, tau: np.ndarray) -> np.ndarray:
-    R = np.linalg.qr(np.column_stack([W, tau]), mode="r")
+    R = np.asarray(np.linalg.qr(np.column_stack([W, tau]), mode="r"))
     return R * np.where(np.diag(R) < 0, -1, 1)[:, None]
 
 
@@ -113,7 +112,8 @@ def write(folder: Path, samples: tuple[np.ndarray, ...]) -> list[Path]:
     table = np.column_stack(samples)
     text = "\n".join(",".join(map(repr, row)) for row in table.tolist())
     (folder / "samples.csv").write_text(",".join(names) + "\n" + text + "\n")
-    np.savez(folder / "samples.npz", **dict(zip(reducing.ARRAYS, samples, strict=True)))
+    q, qd, qdd, tau = samples
+    np.savez(folder / "samples.npz", q=q, qd=qd, qdd=qdd, tau=tau)
     paths = [folder / "samples.csv", folder / "samples.npz"]
     parquet = pytest.importorskip("pyarrow.parquet")
     import pyarrow
@@ -153,9 +153,7 @@ def test_the_command_says_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFi
     assert not out.exists()
 
 
-def test_dask_gives_the_same_bits_for_any_number_of_workers(
-    puma: rv.Robot, tmp_path: Path
-) -> None:
+def test_dask_gives_the_same_bits_for_any_number_of_workers(puma: rv.Robot, tmp_path: Path) -> None:
     frames = pytest.importorskip("dask.dataframe")
     distributed = pytest.importorskip("distributed")
     path = write(tmp_path, data(6, 400))[2]

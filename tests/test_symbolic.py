@@ -35,7 +35,7 @@ def test_relations_of_the_puma_are_table_v() -> None:
     assert symbolic.origins["YY_4"] == "rule: mass along a revolute joint's axis"
 
 
-@pytest.mark.parametrize("name", (*ROBOTS, "sr400"))
+@pytest.mark.parametrize("name", [*ROBOTS, "sr400"])
 def test_sympy_reads_the_relations_and_gives_beta(name: str) -> None:
     pytest.importorskip("sympy")
     base = rv.load(name).base_parameters()
@@ -75,7 +75,7 @@ def test_numpy_code_gives_the_packages_numbers(name: str) -> None:
 
 @pytest.mark.parametrize("model", ["d", "d0", "h"])
 @pytest.mark.parametrize("name", ROBOTS)
-def test_a_compiled_regressor_is_the_regressor(name: str, model: str) -> None:
+def test_a_compiled_regressor_is_the_regressor(name: str, model: rv.Model) -> None:
     base = rv.load(name).base_parameters(model=model)
     compiled = base.compile()
     q, qd, qdd = states(base.robot.n)

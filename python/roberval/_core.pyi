@@ -8,10 +8,12 @@ from .options import Options, Reading
 from .scaling import ScalingOptions
 
 __all__ = [
+    "Accumulator",
     "Answer",
     "Comparison",
     "Robot",
     "Scaling",
+    "Symbolic",
     "__version__",
     "catalogue",
     "clean_file",
@@ -161,6 +163,7 @@ class Symbolic:
     def render(self, format: str) -> str: ...
     def sympy(self) -> str: ...
 
+@final
 class Comparison:
     @property
     def agree(self) -> bool: ...
@@ -192,6 +195,7 @@ def convert(convention: str, to_paper: bool, numbers: list[float]) -> list[float
 def catalogue() -> list[tuple[str, str, str]]: ...
 def run_cli(arguments: Sequence[str]) -> int: ...
 
+@final
 class Accumulator:
     @staticmethod
     def new(

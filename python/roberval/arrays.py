@@ -54,9 +54,9 @@ def states(q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike, nq: int, n: 
         shape = q.shape  # type: ignore[union-attr]
         if qd.shape == shape and qdd.shape == shape and shape[-1:] == (n,):  # type: ignore[union-attr]
             if len(shape) == 1:
-                return States(q[None], qd[None], qdd[None], ())  # type: ignore[index, call-overload]
+                return States(q[None], qd[None], qdd[None], ())  # type: ignore[index, call-overload, arg-type]
             if len(shape) == 2:
-                return States(q, qd, qdd, shape[:1])  # type: ignore[arg-type]
+                return States(q, qd, qdd, shape[:1])  # type: ignore[arg-type, unused-ignore]
     arrays = [numbers("q", q), numbers("qd", qd), numbers("qdd", qdd)]
     joints = f"{n} moving joints" if nq == n else f"{n - 6} moving joints and a floating base"
     for name, array, width in zip(("q", "qd", "qdd"), arrays, (nq, n, n), strict=True):

@@ -100,7 +100,7 @@ class Field(Circle):
         small = [q for q in range(1, isqrt(order) + 1) if order % q == 0]
         divisors = [d for q in small for d in (q, order // q) if d < order]
         at = lambda d: self.power(self.turn, d)
-        while any(at(d) == (1, 0) for d in divisors) or at(order // 4) != (0, 1):
+        while any(at(d) == (1, 0) for d in divisors) or at(order // 4) != (0, 1):  # type: ignore
             self.turn = self.power(self.point(), (p + 1) // order)
         cosine = [self.power(self.turn, order // k)[0] for k in (8, 12, 10)]
         roots = {2: 2 * cosine[0], 3: 2 * cosine[1], 5: 4 * cosine[2] - 1}

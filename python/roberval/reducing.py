@@ -101,7 +101,9 @@ def from_npz(path: Path, robot: Robot) -> Iterator[Piece]:
         if absent:
             raise ShapeError(f"{path}: there is no array {absent[0]}")
         files = [archive.open(f"{array}.npy") for array in ARRAYS]
-        shapes = [npy_header(file, f"{path}: {name}", n) for name, file in zip(ARRAYS, files, strict=True)]
+        shapes = [
+            npy_header(file, f"{path}: {name}", n) for name, file in zip(ARRAYS, files, strict=True)
+        ]
         if len(set(shapes)) > 1:
             raise ShapeError(f"{path}: the arrays have {shapes} samples: they must be as many")
         for first in range(0, shapes[0], PIECE):
@@ -115,7 +117,11 @@ def from_npz(path: Path, robot: Robot) -> Iterator[Piece]:
 def npy_header(file: Any, source: str, n: int) -> int:
     """Read an array's header; return its number of samples."""
     version = np.lib.format.read_magic(file)
-    read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    read = (
+        np.lib.format.read_array_header_1_0
+        if version == (1, 0)
+        else np.lib.format.read_array_header_2_0
+    )
     shape, fortran, dtype = read(file)
     if len(shape) != 2 or shape[1] != n:
         raise ShapeError(f"{source} has shape {shape}, expected (N, {n})")
@@ -175,16 +181,16 @@ def reduce_dataset(
         raise MissingPackageError(
             "datasets need the package dask: pip install 'roberval[dask]'"
         ) from None
-    one = dask.delayed(reduce_partition, pure=False)
-    two = dask.delayed(merged, pure=False)
+    delayed = getattr(dask, "delayed")  # noqa: B009 (dask does not export it to type checkers)
+    one, two = delayed(reduce_partition, pure=False), delayed(merged, pure=False)
     parts = [one(part, model, columns, tuple(friction)) for part in dataset.to_delayed()]
     if not parts:
         return ObservationQR(model, columns, friction)
     while len(parts) > 1:
         pairs = [two(*parts[at : at + 2]) for at in range(0, len(parts) - 1, 2)]
         parts = pairs + parts[2 * len(pairs) :]
-    (result,) = dask.compute(parts[0])
-    return result  # type: ignore[no-any-return]
+    result: ObservationQR = parts[0].compute()
+    return result
 
 
 def reduce_partition(
@@ -243,7 +249,9 @@ def reduce_files(asked: argparse.Namespace) -> None:
     if checkpoint is not None and checkpoint.exists():
         qr = ObservationQR.load(checkpoint, model, asked.threads)
         if qr.columns != (fresh := ObservationQR(model, None, asked.friction)).columns:
-            raise RobervalError(f"{checkpoint} has {len(qr.columns)} columns, not {len(fresh.columns)}")
+            raise RobervalError(
+                f"{checkpoint} has {len(qr.columns)} columns, not {len(fresh.columns)}"
+            )
     else:
         qr = ObservationQR(model, None, asked.friction, asked.threads)
     skip, started, saved = qr.samples, time.monotonic(), time.monotonic()
@@ -267,7 +275,9 @@ def reduce_files(asked: argparse.Namespace) -> None:
     if checkpoint is not None:
         qr.save(checkpoint)
     qr.save_factor(asked.output)
-    print(f"roberval: note: R of {len(qr.columns)} columns from {qr.samples} samples", file=sys.stderr)
+    print(
+        f"roberval: note: R of {len(qr.columns)} columns from {qr.samples} samples", file=sys.stderr
+    )
 
 
 def progress(number: int, count: int, samples: int, seconds: float) -> None:
@@ -276,4 +286,8 @@ def progress(number: int, count: int, samples: int, seconds: float) -> None:
     full = width * number // count
     bar = "#" * full + "." * (width - full)
     rate = samples / max(seconds, 1e-3) / 1e6
-    print(f"\r[{bar}] file {number}/{count}, {samples} samples, {rate:.2f} M/s ", end="", file=sys.stderr)
+    print(
+        f"\r[{bar}] file {number}/{count}, {samples} samples, {rate:.2f} M/s ",
+        end="",
+        file=sys.stderr,
+    )

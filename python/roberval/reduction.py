@@ -133,10 +133,10 @@ class ObservationQR:
             An array has the wrong shape or a number that is not finite: its row is named.
         """
         n = self._robot.n
-        states = arrays.states(q, qd, qdd, n)
+        states = arrays.states(q, qd, qdd, self._robot.nq, n)
         torques = np.atleast_2d(arrays.numbers("tau", tau))
-        if torques.shape != states.q.shape:
-            raise ShapeError(f"tau has shape {torques.shape} and q has {states.q.shape}")
+        if torques.shape != states.qd.shape:
+            raise ShapeError(f"tau has shape {torques.shape} and qd has {states.qd.shape}")
         joints, rows = None, None
         if weights is not None:
             given = arrays.numbers("weights", weights)
@@ -190,7 +190,9 @@ class ObservationQR:
         """Write R, qt_tau, residual_norm, samples and columns as an NPZ file."""
         target = Path(path)
         factor = self._inner.factor()
-        with tempfile.TemporaryDirectory(dir=target.resolve().parent, prefix=".roberval-") as folder:
+        with tempfile.TemporaryDirectory(
+            dir=target.resolve().parent, prefix=".roberval-"
+        ) as folder:
             written = Path(folder) / "R.npz"
             np.savez(
                 written,
@@ -208,7 +210,8 @@ class ObservationQR:
         return new
 
     def __repr__(self) -> str:
-        return f"ObservationQR({self._robot.name!r}, {len(self.columns)} columns, {self.samples} samples)"
+        columns = len(self.columns)
+        return f"ObservationQR({self._robot.name!r}, {columns} columns, {self.samples} samples)"
 
     def __reduce__(self) -> tuple[object, ...]:
         return _restore, (self._robot, self._inner.to_bytes())

@@ -250,7 +250,8 @@ class Robot(Rendered):
 
         The frame of a link lies at its joint, in the axes of its body. A body with several
         joints becomes several links, the first ones without mass; ball joints become three
-        hinges; a free joint makes a base that floats if all others are on it. Equality constraints of two joints become couples; what is not applied is
+        hinges; a free joint makes a base that floats if all others are on it and there are no
+        loops. Equality constraints of two joints become couples; what is not applied is
         warned of. Joint variables are 0 where the model has ``qpos0``.
 
         Parameters
@@ -348,8 +349,8 @@ class Robot(Rendered):
         Examples
         --------
         >>> import roberval as rv
-        >>> puma = rv.load("puma560")
-        >>> rv.Robot.from_urdf(puma.to_urdf()).base_parameters().base == puma.base_parameters().base
+        >>> arm = rv.load("ur5")
+        >>> rv.Robot.from_urdf(arm.to_urdf()).base_parameters().base == arm.base_parameters().base
         True
         """
         return self._inner.to_urdf()
@@ -453,7 +454,9 @@ class Robot(Rendered):
     def couples(self) -> tuple[Couple, ...]:
         """The joints that follow from others (couples of a robot TOML, mimic of a URDF)."""
         rows = self._inner.couples
-        return tuple(Couple(joint, dict(terms), offset, text) for joint, terms, offset, text in rows)
+        return tuple(
+            Couple(joint, dict(terms), offset, text) for joint, terms, offset, text in rows
+        )
 
     @property
     def nq(self) -> int:
@@ -472,7 +475,7 @@ class Robot(Rendered):
 
     @property
     def rows(self) -> tuple[str, ...]:
-        """Names of the rows of d: joints; force and moment ``L.fx`` to ``L.mz`` if a link L floats."""
+        """Names of the rows of d: joints; the wrench ``L.fx`` to ``L.mz`` if a link L floats."""
         return tuple(self._inner.coordinates[2])
 
     @property
@@ -660,7 +663,7 @@ class Robot(Rendered):
         Returns
         -------
         q, qd, qdd : ndarray, shape (tree joints,) or (N, tree joints)
-            In the order of the links that move.
+            In the order of the links that move, those of a floating base first.
 
         Raises
         ------

@@ -3,7 +3,9 @@
 use roberval_base::{
     Choice, Engine, Model, Options, Samples, Tolerance, base_parameters, compare, observe,
 };
-use roberval_mechanism::{Geometry, Mechanism, Origin, RobotDescription, SourceFormat};
+use roberval_mechanism::{
+    Couple, Geometry, Mechanism, Origin, RobotDescription, SourceFormat, Term,
+};
 use roberval_scalar::{Quantity, SplitMix64};
 use roberval_testkit::{Family, lengths_mut};
 
@@ -62,6 +64,40 @@ fn all_models_and_engines_give_one_answer() {
         wrong.len(),
         &wrong[..wrong.len().min(3)]
     );
+}
+
+/// A joint that follows another at a rational gear, on a base that floats.
+#[test]
+fn floating_robots_with_geared_joints_have_one_answer() {
+    let number = |text: &str| Quantity::parse_number(text, &[]).expect("a number");
+    let mut coupled = 0;
+    for seed in 0..12 {
+        let family = Family {
+            links: (2, 5),
+            ..Family::default()
+        };
+        let mut description = family.robot(seed);
+        let joints = description.links.iter().filter(|l| l.joint.has_axis());
+        let names: Vec<String> = joints.map(|l| l.name.clone()).collect();
+        let [first, .., last] = &names[..] else {
+            continue;
+        };
+        coupled += 1;
+        description.couples.push(Couple {
+            joint: last.clone(),
+            terms: vec![Term {
+                joint: first.clone(),
+                multiplier: number(["-1", "3/2", "2", "-1/2"][seed as usize % 4]),
+            }],
+            offset: number("0"),
+            expression: None,
+        });
+        let robot = Mechanism::new(&description.with_floating_base()).expect("valid");
+        assert_eq!(robot.positions(), 7 + names.len() - 1);
+        let answer = compare(&robot, &Choice::Paper, Tolerance::default(), seed).expect("valid");
+        assert!(answer.agree, "robot {seed}");
+    }
+    assert!(coupled > 6);
 }
 
 #[test]

@@ -63,6 +63,22 @@ Examples:
 
 Exit codes: 0 nothing found, 1 findings, 2 a file cannot be read as a robot file at all.";
 
+const COMPARE: &str = "\
+Examples:
+  roberval compare puma560
+  roberval compare arm.urdf --snap off                     the file as written
+  roberval compare arm.urdf --paper-tolerance=1.4e-17      as on the paper's VAX
+
+Exit codes: 0 all routes agree, 1 they do not or one is in doubt, 2 bad input.";
+
+const CLEAN: &str = "\
+Only the numbers change: comments, order and everything else stay byte for byte.
+
+Examples:
+  roberval clean arm.urdf -o clean.urdf
+  roberval clean arm.urdf > /dev/null             only tell what would change
+  roberval clean arm.urdf --aggressive            1.57 and 3.14 too";
+
 const DEMO: &str = "\
 Takes the built-in PUMA 560, shows its parameters, finds the base parameters and writes a
 report to look at. Nothing is downloaded.";
@@ -117,8 +133,10 @@ pub(crate) enum Command {
     #[command(after_help = BASE)]
     Base(BaseArgs),
     /// Analyse all models by all engines and tell whether they agree
+    #[command(after_help = COMPARE)]
     Compare(CompareArgs),
     /// Write a robot file with its rounded angles and dust set right
+    #[command(after_help = CLEAN)]
     Clean(CleanArgs),
     /// List what is wrong or suspicious in robot files
     #[command(after_help = LINT)]

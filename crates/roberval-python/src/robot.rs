@@ -159,11 +159,6 @@ impl Robot {
         self.mechanism.gravity.into()
     }
 
-    #[getter]
-    fn independent(&self) -> usize {
-        self.regressor.independent()
-    }
-
     /// Number of independent variables.
     #[getter]
     fn dof(&self) -> usize {

@@ -253,7 +253,8 @@ impl Regressor {
     /// The number of samples N, once it is sure that the states fit the robot.
     ///
     /// # Errors
-    /// [`RegressorError`] if an array has the wrong length or a state is not finite.
+    /// [`RegressorError`] if an array has the wrong length, a state is not finite or an
+    /// attitude is none.
     pub fn check(&self, states: States<'_>) -> Result<usize, RegressorError> {
         states.check(self.positions(), self.independent())
     }
@@ -412,7 +413,7 @@ impl Regressor {
     }
 
     /// The states of all n joint variables of the tree, those included that follow others by
-    /// couples or loops: q, qd and qdd, N x n each. A floating base is left out.
+    /// couples or loops: q, qd and qdd, N x n each (q of a floating robot N x (n + 1)).
     ///
     /// # Errors
     /// [`RegressorError`] if an array has the wrong length, a state is not finite, or the
@@ -440,9 +441,11 @@ impl Regressor {
                 }
                 _ => state,
             };
-            all.iter_mut()
-                .zip(joints)
-                .for_each(|(all, x)| all.extend(x));
+            let base = if self.tree.is_floating() { 6 } else { 0 };
+            all[0].extend(&q[..positions - m + base]);
+            all[0].extend(&joints[0][base..]);
+            all[1].extend(joints[1]);
+            all[2].extend(joints[2]);
         }
         Ok(all)
     }

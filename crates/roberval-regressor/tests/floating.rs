@@ -272,6 +272,21 @@ fn a_quaternion_and_its_negative_and_a_rounded_one_are_one_attitude() {
 }
 
 #[test]
+fn without_couples_the_states_of_all_joints_are_those_given() {
+    for seed in 0..20 {
+        let robot = mechanism(&description(seed));
+        let state = state(&robot, seed);
+        let states = States {
+            q: &state.q,
+            qd: &state.qd,
+            qdd: &state.qdd,
+        };
+        let all = Regressor::new(&robot).expand(states).expect("valid");
+        assert_eq!(all, [state.q.clone(), state.qd.clone(), state.qdd.clone()]);
+    }
+}
+
+#[test]
 fn what_is_no_quaternion_is_refused() {
     let robot = mechanism(&description(1));
     let mut state = state(&robot, 1);

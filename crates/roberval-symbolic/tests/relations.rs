@@ -271,3 +271,20 @@ fn on_three_of_four_generated_chains_and_trees_the_rules_are_enough() {
     }
     assert!(enough >= 75, "{enough} of 100");
 }
+
+/// Everything regroups across the joints of a robot that floats: a rule removes each
+/// parameter that goes.
+#[test]
+fn the_rules_are_always_enough_on_a_base_that_floats() {
+    for seed in 0..20 {
+        let family = Family {
+            links: (3, 6),
+            format: [SourceFormat::Mdh, SourceFormat::Urdf][seed as usize % 2],
+            ..Family::default()
+        };
+        let robot = family.robot(seed).with_floating_base();
+        let answer = relations(&robot, &SymbolicOptions::default());
+        let by_rules = |(_, origin): &(usize, Origin)| *origin != Origin::Elimination;
+        assert!(answer.origins.iter().all(by_rules), "robot {seed}");
+    }
+}

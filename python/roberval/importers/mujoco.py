@@ -1,8 +1,9 @@
 """MuJoCo models.
 
 A body with several joints becomes several links, the first ones massless; a ball joint becomes
-three hinges; a free joint makes a base that floats if all other joints are on it; bodies without joints are lumped into their parents. The frame of a link lies at
-its joint, in the axes of its body.
+three hinges; a free joint makes a base that floats if all other joints are on it and there are no
+loops; bodies without joints are lumped into their parents. The frame of a link lies at its joint,
+in the axes of its body.
 """
 
 from __future__ import annotations
@@ -90,8 +91,9 @@ class Reader:
         self.by_joint: dict[int, Link] = {}
         self.warnings: list[str] = []
         roots = {int(model.body_rootid[body]) for body in model.jnt_bodyid}
-        free = model.jnt_type == self.mujoco.mjtJoint.mjJNT_FREE
-        self.floats = len(roots) == 1 and bool(free.any())
+        closed = {self.mujoco.mjtEq.mjEQ_CONNECT, self.mujoco.mjtEq.mjEQ_WELD}
+        kinds = {self.mujoco.mjtEq(kind) for kind in model.eq_type[model.eq_active0 > 0]}
+        self.floats = len(roots) == 1 and not kinds & closed
         self.taken: set[str] = set()
         # The link that a body belongs to, and the body's frame on it.
         self.place: dict[int, tuple[Link | None, Array, Array]] = {

@@ -15,6 +15,9 @@ use camera::{Camera, HEIGHT, WIDTH};
 /// Robots of more links have small signs and no names beside them.
 const FEW: usize = 16;
 
+/// Signs and names keep this far from the drawing's edge, in pixels.
+const EDGE: f64 = 18.0;
+
 /// A link's frame in the base frame.
 struct Frame {
     rotation: Matrix3<f64>,
@@ -132,7 +135,8 @@ fn slide(mechanism: &Mechanism, frames: &[Frame], camera: &Camera, sizes: &Sizes
         let step = 2.0 * sizes.half + 4.0;
         let free = |p: &[f64; 2]| {
             let far = |q: &[f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]) > 1.5 * sizes.half;
-            places.iter().all(far)
+            let inside = |at: f64, size: f64| (EDGE..size - EDGE).contains(&at);
+            inside(p[0], WIDTH) && inside(p[1], HEIGHT) && places.iter().all(far)
         };
         let along =
             [0.0, 1.0, -1.0, 2.0, -2.0, 3.0].map(|k| [x + k * step * dx, y + k * step * dy]);
@@ -236,12 +240,13 @@ fn labels(mechanism: &Mechanism, places: &[[f64; 2]], sizes: &Sizes, svg: &mut S
         } else {
             x + sizes.radius + 9.0
         };
-        let mut y = y - sizes.radius;
+        let mut y = (y - sizes.radius).max(EDGE);
+        let step = if y < 3.0 * EDGE { 6.0 } else { -6.0 };
         while taken
             .iter()
             .any(|t| (t[0] - x).abs() < 90.0 && (t[1] - y).abs() < 17.0)
         {
-            y -= 6.0;
+            y += step;
         }
         taken.push([x, y]);
         let _ = write!(

@@ -1,6 +1,6 @@
 """Run `roberval lint` and `roberval base` over every URDF of some folders; write docs/wheels.md.
 
-    python docs/wheels.py path/to/roberval example-robot-data=folder pybullet=folder ...
+    python docs/wheel_table.py path/to/roberval example-robot-data=folder pybullet=folder ...
 
 Each folder is an unpacked wheel. Every file must end in exit code 0, 1 or 2 within `LIMIT`
 seconds, and a refusal must name the file and say why; anything else stops the run.
@@ -23,7 +23,8 @@ PAGE = Path(__file__).with_name("wheels.md")
 HEAD = """# Robots of PyPI's wheels
 
 `roberval lint` and `roberval base` over every URDF in wheels on PyPI, written by
-[wheels.py](wheels.py). No run crashed or hung, and every refusal names the file and the reason.
+[wheel_table.py](wheel_table.py). No run crashed or hung, and every refusal names the file and
+the reason.
 
 | wheel | URDF files | base parameters found | in doubt | refused | without findings | findings |
 |---|---|---|---|---|---|---|
