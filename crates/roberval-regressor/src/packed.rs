@@ -1,11 +1,14 @@
 //! The nonzeros of the regressor, packed: what the lanes compute.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use roberval_mechanism::ParameterSpace;
 use roberval_scalar::Lanes;
 
-use crate::{DynamicsWorkspace, EnergyWorkspace, Model, Sink, Tree, dynamics, energy};
+use crate::{
+    DynamicsWorkspace, EnergyWorkspace, Model, Sink, Transmission, Tree, dynamics, energy,
+};
 
 /// Which entry of a sample's rows each packed number is.
 ///
@@ -54,6 +57,90 @@ impl PackedLayout {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
+    }
+}
+
+/// The packed numbers of the independent joints' rows, G' times those of all joints.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Projection {
+    /// For each slot, which value of G meets which slot of the tree.
+    terms: Vec<Vec<(u32, u32)>>,
+    /// The same for the torques: which value of G meets which joint's.
+    torques: Vec<Vec<(u32, u32)>>,
+    from_slots: usize,
+    g_width: usize,
+}
+
+impl Projection {
+    /// The projection of a tree's layout by a transmission of this pattern, and where its
+    /// numbers belong.
+    pub(crate) fn new(
+        layout: &PackedLayout,
+        space: &ParameterSpace,
+        g: &Transmission<f64>,
+        (joints, independent): (usize, usize),
+    ) -> (Self, PackedLayout) {
+        let mut starts = vec![0];
+        for row in 0..joints {
+            starts.push(starts[row] + g.row(row).count());
+        }
+        let mut torques = vec![Vec::new(); independent];
+        for row in 0..joints {
+            for (k, (place, _)) in g.row(row).enumerate() {
+                torques[place].push(((starts[row] + k) as u32, row as u32));
+            }
+        }
+        // Link by link and row by row, as those of the tree.
+        let mut slots: BTreeMap<(usize, usize, usize), Vec<(u32, u32)>> = BTreeMap::new();
+        for (slot, &(row, column)) in layout.entries.iter().enumerate() {
+            let link = space.ids()[column].link;
+            for (k, (place, _)) in g.row(row).enumerate() {
+                let terms = slots.entry((link, place, column)).or_default();
+                terms.push(((starts[row] + k) as u32, slot as u32));
+            }
+        }
+        let entries = slots.keys().map(|&(_, row, column)| (row, column));
+        let projected = PackedLayout {
+            entries: entries.collect(),
+        };
+        let projection = Self {
+            terms: slots.into_values().collect(),
+            torques,
+            from_slots: layout.entries.len(),
+            g_width: g.values().len(),
+        };
+        (projection, projected)
+    }
+
+    /// Number of values of G.
+    pub(crate) fn g_width(&self) -> usize {
+        self.g_width
+    }
+
+    /// Number of slots of the tree.
+    pub(crate) fn tree_slots(&self) -> usize {
+        self.from_slots
+    }
+
+    #[inline(always)]
+    pub(crate) fn apply<V: Lanes>(&self, g: &[V], from: &[V], to: &mut [V]) {
+        sums(&self.terms, g, from, to);
+    }
+
+    #[inline(always)]
+    pub(crate) fn apply_to_torques<V: Lanes>(&self, g: &[V], from: &[V], to: &mut [V]) {
+        sums(&self.torques, g, from, to);
+    }
+}
+
+#[inline(always)]
+fn sums<V: Lanes>(terms: &[Vec<(u32, u32)>], g: &[V], from: &[V], to: &mut [V]) {
+    for (to, terms) in to.iter_mut().zip(terms) {
+        let mut sum = V::lift(0.0);
+        for &(value, slot) in terms {
+            sum = g[value as usize].mul_add(from[slot as usize], sum);
+        }
+        *to = sum;
     }
 }
 
