@@ -1,4 +1,4 @@
-//! Streaming least squares: joint states and torques to R, one thread.
+//! Streaming least squares: joint states and torques to R, one thread; merging.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use roberval_base::{Options, Samples, base_parameters};
@@ -38,9 +38,40 @@ fn reduce(criterion: &mut Criterion) {
     }
 }
 
+/// What a cluster does with two factors, and what a checkpoint costs.
+fn merge(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("factor");
+    for (name, robot) in robots() {
+        let base = base_parameters(&robot, &Options::default())
+            .expect("a rank")
+            .base;
+        let samples = Samples::draw(&robot, 512, 1).expect("samples");
+        let tau = vec![1.0; 512 * robot.dof()];
+        let mut reduction =
+            Reduction::new(Regressor::new(&robot), &base, Friction::default()).expect("columns");
+        reduction
+            .update(&Measured {
+                states: samples.states(),
+                tau: &tau,
+                weights: Weights::Equal,
+            })
+            .expect("finite");
+        let factor = reduction.factor();
+        group.bench_function(BenchmarkId::new("of all lanes", name), |b| {
+            b.iter(|| reduction.factor());
+        });
+        group.bench_function(BenchmarkId::new("merge", name), |b| {
+            b.iter(|| factor.merge(&factor));
+        });
+        group.bench_function(BenchmarkId::new("checkpoint", name), |b| {
+            b.iter(|| reduction.to_bytes());
+        });
+    }
+}
+
 criterion_group! {
     name = benches;
     config = short();
-    targets = reduce
+    targets = reduce, merge
 }
 criterion_main!(benches);

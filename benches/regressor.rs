@@ -1,10 +1,10 @@
-//! The regressor: one state, a batch of 1000, and torques without storing d.
+//! The regressor: one state, a batch of 1000, packed, base columns, torques; sine and cosine.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use roberval_base::Samples;
+use roberval_base::{Options, Samples, base_parameters};
 use roberval_benches::{robots, short};
 use roberval_regressor::{Model, Regressor};
-use roberval_scalar::Width;
+use roberval_scalar::{Lanes, Task, Width, dispatch};
 
 const BATCH: usize = 1000;
 
@@ -12,7 +12,13 @@ fn rows(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("regressor");
     for (name, robot) in robots() {
         let regressor = Regressor::new(&robot);
-        for (model, count) in [(Model::D, 1), (Model::D, BATCH), (Model::H, BATCH)] {
+        let models = [
+            (Model::D, 1),
+            (Model::D, BATCH),
+            (Model::D0, BATCH),
+            (Model::H, BATCH),
+        ];
+        for (model, count) in models {
             let samples = Samples::draw(&robot, count, 1).expect("samples");
             let size = count * model.rows(robot.dof()) * regressor.parameters().len();
             let mut out = vec![0.0; size];
@@ -48,6 +54,65 @@ fn packed(criterion: &mut Criterion) {
     }
 }
 
+/// The reduced model's columns, in the cache and past it.
+fn columns(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("base columns");
+    for (name, robot) in robots() {
+        let regressor = Regressor::new(&robot);
+        let base = base_parameters(&robot, &Options::default())
+            .expect("a rank")
+            .base;
+        let columns = regressor.columns(Model::D, &base);
+        for (count, past_cache) in [(64, false), (BATCH, true)] {
+            let samples = Samples::draw(&robot, count, 1).expect("samples");
+            let mut out = vec![0.0; count * robot.dof() * base.len()];
+            group.throughput(Throughput::Elements(count as u64));
+            let what = if past_cache {
+                "past the cache"
+            } else {
+                "in cache"
+            };
+            group.bench_function(BenchmarkId::new(what, name), |b| {
+                b.iter(|| {
+                    let (to, states) = (&mut out, samples.states());
+                    regressor.fill_part(Model::D, Some(&columns), states, to, past_cache)
+                });
+            });
+        }
+    }
+}
+
+/// Sine and cosine of 1024 angles.
+struct SinCos<'a>(&'a [f64], &'a mut [f64]);
+
+impl Task for SinCos<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Lanes>(self) {
+        let Self(angles, out) = self;
+        for (x, out) in angles
+            .chunks_exact(V::COUNT)
+            .zip(out.chunks_exact_mut(V::COUNT))
+        {
+            let (sin, cos) = V::load(x).sin_cos();
+            (sin + cos).store(out);
+        }
+    }
+}
+
+fn sin_cos(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("sin_cos");
+    let angles: Vec<f64> = (0..1024).map(|k| 0.02 * f64::from(k) - 10.0).collect();
+    let mut out = vec![0.0; 1024];
+    group.throughput(Throughput::Elements(1024));
+    for width in Width::ALL.into_iter().filter(|width| width.is_available()) {
+        group.bench_function(BenchmarkId::new("1024", format!("{width:?}")), |b| {
+            b.iter(|| dispatch(width, SinCos(&angles, &mut out)));
+        });
+    }
+}
+
 fn torques(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("torques");
     group.throughput(Throughput::Elements(BATCH as u64));
@@ -65,6 +130,6 @@ fn torques(criterion: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = short();
-    targets = rows, packed, torques
+    targets = rows, packed, columns, torques, sin_cos
 }
 criterion_main!(benches);

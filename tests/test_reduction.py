@@ -1,8 +1,11 @@
 from __future__ import annotations
 
+import os
 import pickle
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -104,6 +107,134 @@ def test_bad_samples_are_named(base: rv.BaseParameters) -> None:
     with pytest.raises(rv.UnknownParameterError, match="XX_9"):
         rv.ObservationQR(base, columns=("XX_9",))
     assert qr.samples == 0
+
+
+ROBOTS = ("four_bar", "hitachi_hpr", "floating")
+
+
+def any_robot(name: str) -> rv.Robot:
+    if name != "floating":
+        return rv.load(name)
+    return rv.Robot.from_urdf(
+        """<robot name="two"><link name="body"><inertial><mass value="2"/>
+        <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        <link name="arm"><inertial><mass value="1"/><origin xyz="0.1 0.2 0.3"/>
+        <inertia ixx="1" iyy="2" izz="3" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        <joint name="shoulder" type="revolute"><parent link="body"/><child link="arm"/>
+        <axis xyz="0 1 0"/><origin xyz="0.2 0 0.1" rpy="0.3 0 0"/>
+        <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>""",
+        floating=True,
+    )
+
+
+def states_of(robot: rv.Robot, count: int) -> tuple[np.ndarray, ...]:
+    random = np.random.default_rng(3)
+    q, qd, qdd = (random.uniform(-1, 1, (count, k)) for k in (robot.nq, robot.n, robot.n))
+    if robot.is_floating:
+        q[:, 3:7] /= np.linalg.norm(q[:, 3:7], axis=1)[:, None]
+    return q, qd, qdd
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_loops_couples_and_floating_bases_reduce_too(name: str) -> None:
+    robot = any_robot(name)
+    base = robot.base_parameters()
+    q, qd, qdd = states_of(robot, 500)
+    tau = np.random.default_rng(4).uniform(-1, 1, (500, robot.n))
+    qr = rv.ObservationQR(base, friction=("viscous",))
+    for cut in np.array_split(np.arange(500), 7):
+        qr.update(q[cut], qd[cut], qdd[cut], tau[cut])
+    joints = len(robot.joints)
+    rubbing = np.zeros((500, robot.n, joints))
+    for j in range(joints):
+        row = robot.n - joints + j
+        rubbing[:, row, j] = qd[:, row]
+    W = np.concatenate([base.regressor(q, qd, qdd), rubbing], axis=2)
+    R = one_shot(W.reshape(-1, base.rank + joints), tau.ravel())
+    assert np.abs(qr.r_factor - R[:-1, :-1]).max() <= 10 * ACCURACY * np.abs(R).max()
+    assert len(qr.columns) == base.rank + joints
+    if name == "four_bar":
+        q[3] = np.nan
+    elif name == "floating":
+        q[3, 3:7] = 0
+    else:
+        return
+    with pytest.raises(rv.ArrayError, match=r"q\[503, "):
+        qr.update(q, qd, qdd, tau)
+    assert qr.samples == 500
+
+
+@pytest.mark.parametrize("name", [*ROBOTS, "puma560"])
+@pytest.mark.parametrize("model", ["d", "d0", "h"])
+def test_packed_tiles_and_threads_give_the_rows_bit_by_bit(
+    name: str, model: rv.options.Model
+) -> None:
+    robot = any_robot(name)
+    count = 9000 if name == "puma560" else 3000
+    states = states_of(robot, count)
+    rows = robot.regressor(*states, model, threads=1)
+    assert np.array_equal(rows, robot.regressor(*states, model, threads=3))
+    packed = robot.packed(*states, model, threads=2)
+    tiles, _, lanes = packed.shape
+    flat = np.zeros((tiles * lanes, robot.n if model != "h" else 1, rows.shape[-1]))
+    entries = robot.packed_entries(model)
+    flat[:, entries[:, 0], entries[:, 1]] = packed.transpose(0, 2, 1).reshape(tiles * lanes, -1)
+    assert np.array_equal(flat[:count].reshape(rows.shape), rows)
+    if model == "d":
+        X = np.arange(1.0, rows.shape[-1] + 1)
+        tau = robot.torques(*states, X, threads=3)
+        assert np.array_equal(tau, robot.torques(*states, X, threads=1))
+        assert np.abs(tau - rows @ X).max() <= 1e-13 * np.abs(rows * X).sum(axis=-1).max()
+    states[0][count - 2, -1] = np.inf
+    with pytest.raises(rv.ArrayError, match=rf"q\[{count - 2}, "):
+        robot.regressor(*states, model, threads=3)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_a_child_forked_after_threads_ran_computes_the_same(base: rv.BaseParameters) -> None:
+    q, qd, qdd, tau = data(6, 80_000)
+    qr = rv.ObservationQR(base, threads=2)
+    qr.update(q, qd, qdd, tau)
+    W = base.regressor(q, qd, qdd, threads=2)
+    child = os.fork()
+    if child == 0:
+        again = rv.ObservationQR(base, threads=2)
+        again.update(q, qd, qdd, tau)
+        equal = same(qr, again) and np.array_equal(W, base.regressor(q, qd, qdd, threads=2))
+        os._exit(0 if equal else 1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL")
+def test_a_killed_reduction_goes_on_with_the_same_bits(tmp_path: Path) -> None:
+    q, qd, qdd, tau = data(6, 400_000)
+    samples, checkpoint = tmp_path / "s.npz", tmp_path / "progress"
+    np.savez(samples, q=q, qd=qd, qdd=qdd, tau=tau)
+
+    def command(target: str, *more: str) -> list[str]:
+        files = [str(samples)] * 3
+        run = [sys.executable, "-m", "roberval", "reduce", "puma560", *files, "--quiet"]
+        return [*run, "-o", str(tmp_path / target), *more]
+
+    subprocess.run(command("whole.npz"), check=True)
+    kills = 0
+    while kills < 3:
+        before = checkpoint.stat().st_mtime_ns if checkpoint.exists() else 0
+        with subprocess.Popen(command("R.npz", "--checkpoint", str(checkpoint))) as process:
+            while process.poll() is None:
+                if checkpoint.exists() and checkpoint.stat().st_mtime_ns != before:
+                    process.send_signal(signal.SIGKILL)
+                    break
+                time.sleep(0.001)
+        kills += 1
+    # Whatever was left, even a half-written successor of the checkpoint.
+    (tmp_path / ".progress.part").write_bytes(b"half")
+    subprocess.run(command("R.npz", "--checkpoint", str(checkpoint)), check=True)
+    with np.load(tmp_path / "whole.npz") as whole, np.load(tmp_path / "R.npz") as resumed:
+        assert resumed["samples"] == 1_200_000
+        for name in whole.files:
+            assert np.array_equal(whole[name], resumed[name])
+    assert not (tmp_path / ".progress.part").exists()
 
 
 def write(folder: Path, samples: tuple[np.ndarray, ...]) -> list[Path]:

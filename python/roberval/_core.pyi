@@ -10,6 +10,7 @@ from .scaling import ScalingOptions
 __all__ = [
     "Accumulator",
     "Answer",
+    "Columns",
     "Comparison",
     "Robot",
     "Scaling",
@@ -70,16 +71,36 @@ class Robot:
     @property
     def known(self) -> list[bool]: ...
     def standard_parameters(self) -> _Array | None: ...
+    def columns(self, model: str, columns: list[int]) -> Columns: ...
     def regressor(
         self,
         model: str,
-        columns: list[int] | None,
+        columns: Columns | None,
         q: _Array,
         qd: _Array,
         qdd: _Array,
         out: _Array,
+        threads: int | None,
     ) -> None: ...
-    def torques(self, x: _Array, q: _Array, qd: _Array, qdd: _Array, out: _Array) -> None: ...
+    def packed(
+        self,
+        model: str,
+        q: _Array,
+        qd: _Array,
+        qdd: _Array,
+        out: _Array,
+        threads: int | None,
+    ) -> None: ...
+    def packed_layout(self, model: str) -> tuple[list[list[int]], int]: ...
+    def torques(
+        self,
+        x: _Array,
+        q: _Array,
+        qd: _Array,
+        qdd: _Array,
+        out: _Array,
+        threads: int | None,
+    ) -> None: ...
     def expand(self, q: _Array, qd: _Array, qdd: _Array) -> list[_Array]: ...
     @property
     def loops(self) -> list[tuple[list[str], str]]: ...
@@ -95,6 +116,9 @@ class Robot:
     def scale(self, options: ScalingOptions) -> Scaling: ...
     def rules(self, all: bool) -> Symbolic: ...
     def compare(self, options: Options) -> Comparison: ...
+
+@final
+class Columns: ...
 
 @final
 class Answer:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from .errors import ArrayError, ShapeError, UnknownParameterError
+from .errors import ArrayError, OptionError, ShapeError, UnknownParameterError
 
 Array: TypeAlias = npt.NDArray[np.float64]
 """A float64 array."""
@@ -90,6 +90,13 @@ def output(out: Array | None, shape: tuple[int, ...]) -> Array:
     if not out.flags.c_contiguous or not out.flags.aligned:
         raise ArrayError("out is not C-contiguous: make it with numpy.empty(shape)")
     return out
+
+
+def thread_count(threads: int | None) -> int | None:
+    """Return a number of threads; None means all cores."""
+    if threads is not None and threads < 1:
+        raise OptionError(f"threads is {threads}, expected 1 or more")
+    return threads
 
 
 def vector(name: str, value: npt.ArrayLike | Mapping[str, float], labels: tuple[str, ...]) -> Array:

@@ -86,13 +86,14 @@ class BaseParameters(Rendered):
     Made by `Robot.base_parameters`.
     """
 
-    __slots__ = ("_beta", "_options", "_robot", "_samples")
+    __slots__ = ("_beta", "_columns_ready", "_options", "_robot", "_samples")
 
     _inner: _core.Answer
     _robot: Robot
     _options: Options
     _samples: tuple[Array, Array, Array] | None
     _beta: Array
+    _columns_ready: tuple[_core.Columns, int] | None
 
     def __init__(self) -> None:
         raise TypeError("make BaseParameters with Robot.base_parameters")
@@ -110,6 +111,7 @@ class BaseParameters(Rendered):
         answer._robot = robot
         answer._options = options
         answer._samples = samples
+        answer._columns_ready = None
         answer._beta = core.beta()
         answer._beta.flags.writeable = False
         return answer
@@ -316,6 +318,7 @@ class BaseParameters(Rendered):
         qdd: npt.ArrayLike | None = None,
         *,
         out: Array | None = None,
+        threads: int | None = None,
     ) -> Array:
         """Evaluate the reduced model d1 (d0, h1: the model of the analysis).
 
@@ -327,7 +330,10 @@ class BaseParameters(Rendered):
         ndarray, shape (N, m, b)
             For h (N, b); for one state without the N.
         """
-        return self._robot._rows(self.model, self._inner.base, q, qd, qdd, out)
+        if self._columns_ready is None:
+            columns = self._robot._inner.columns(self.model, self._inner.base)
+            self._columns_ready = (columns, self.rank)
+        return self._robot._rows(self.model, self._columns_ready, q, qd, qdd, out, threads)
 
     def certificate(self) -> dict[str, Any]:
         """Return what was decided and how, for a checker that shares nothing with roberval.

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import io
 import sys
 import time
 import zipfile
@@ -30,18 +31,26 @@ ARRAYS = ("q", "qd", "qdd", "tau")
 PIECE = 1 << 16
 """Samples in memory at a time."""
 
+LINES = 1 << 13
+"""Rows of a CSV or Parquet file read at a time: Ctrl-C waits for them."""
+
+SAVING = 0.05
+"""The part of the time that may go into checkpoints."""
+
 Piece = tuple[Array, Array, Array, Array]
 
 
 def titles(robot: Robot, names: Sequence[str], source: str) -> list[list[str]]:
-    """Return for q, qd, qdd and tau the title of each joint's column among `names`."""
+    """Return for q, qd, qdd and tau the title of each coordinate's column among `names`."""
     known = {name.strip().lstrip("\ufeff"): name for name in names}
-    moving = [link for link in robot.links if link.joint != "fixed"]
+    links = {link.joint_name or link.name: link.name for link in robot.links}
+    coordinates = (robot.positions, robot.velocities, robot.velocities, robot.rows)
     found = []
-    for array in ARRAYS:
+    for array, of_robot in zip(ARRAYS, coordinates, strict=True):
         of_array = []
-        for number, link in enumerate(moving, 1):
-            wanted = [f"{array}_{key}" for key in (link.joint_name, link.name, number) if key]
+        for number, coordinate in enumerate(of_robot, 1):
+            keys = (coordinate, links.get(coordinate, coordinate), str(number))
+            wanted = list(dict.fromkeys(f"{array}_{key}" for key in keys))
             match = [known[title] for title in wanted if title in known]
             if not match:
                 raise ShapeError(f"{source}: there is no column {' or '.join(wanted)}")
@@ -50,8 +59,8 @@ def titles(robot: Robot, names: Sequence[str], source: str) -> list[list[str]]:
     return found
 
 
-def pieces(path: Path, robot: Robot) -> Iterator[Piece]:
-    """Read a file of samples piece by piece."""
+def pieces(path: Path, robot: Robot) -> Iterator[tuple[Piece, float]]:
+    """Read a file of samples piece by piece, each with the part of the file read so far."""
     readers = {".csv": from_csv, ".npz": from_npz, ".parquet": from_parquet}
     reader = readers.get(path.suffix.lower())
     if reader is None:
@@ -59,21 +68,22 @@ def pieces(path: Path, robot: Robot) -> Iterator[Piece]:
     return reader(path, robot)
 
 
-def from_csv(path: Path, robot: Robot) -> Iterator[Piece]:
+def from_csv(path: Path, robot: Robot) -> Iterator[tuple[Piece, float]]:
     """Read a CSV file with a header line."""
-    with path.open(newline="", encoding="utf-8-sig") as file:
+    with path.open("rb") as raw, io.TextIOWrapper(raw, "utf-8-sig", newline="") as file:
         rows = csv.reader(file)
-        header = next(rows, None)
-        if header is None:
+        first = next(rows, None)
+        if first is None:
             raise ShapeError(f"{path}: the file is empty")
-        header = [title.strip() for title in header]
+        header = [title.strip() for title in first]
         wanted = titles(robot, header, str(path))
         places = [[header.index(title) for title in of_array] for of_array in wanted]
-        line = 1
-        while block := list(islice(rows, PIECE)):
+        line, size = 1, max(path.stat().st_size, 1)
+        while block := list(islice(rows, LINES)):
             table = numbers(block, len(header), path, line)
             line += len(block)
-            yield tuple(np.ascontiguousarray(table[:, place]) for place in places)  # type: ignore[misc]
+            q, qd, qdd, tau = (np.ascontiguousarray(table[:, place]) for place in places)
+            yield (q, qd, qdd, tau), raw.tell() / size
 
 
 def numbers(block: list[list[str]], width: int, path: Path, line: int) -> Array:
@@ -93,25 +103,34 @@ def numbers(block: list[list[str]], width: int, path: Path, line: int) -> Array:
     raise ArrayError(f"{path}: lines {line + 1} to {line + len(block)} are no numbers")
 
 
-def from_npz(path: Path, robot: Robot) -> Iterator[Piece]:
-    """Read an NPZ file with the arrays q, qd, qdd and tau, each (N, n) in C order."""
-    n = robot.n
+def from_npz(path: Path, robot: Robot) -> Iterator[tuple[Piece, float]]:
+    """Read an NPZ file with the arrays q (N, nq), qd, qdd and tau (N, n) in C order."""
+    widths = (robot.nq, robot.n, robot.n, robot.n)
     with zipfile.ZipFile(path) as archive:
         absent = [array for array in ARRAYS if f"{array}.npy" not in archive.namelist()]
         if absent:
             raise ShapeError(f"{path}: there is no array {absent[0]}")
         files = [archive.open(f"{array}.npy") for array in ARRAYS]
         shapes = [
-            npy_header(file, f"{path}: {name}", n) for name, file in zip(ARRAYS, files, strict=True)
+            npy_header(file, f"{path}: {name}", width)
+            for name, file, width in zip(ARRAYS, files, widths, strict=True)
         ]
         if len(set(shapes)) > 1:
             raise ShapeError(f"{path}: the arrays have {shapes} samples: they must be as many")
         for first in range(0, shapes[0], PIECE):
-            size = min(PIECE, shapes[0] - first) * n * 8
-            blocks = [file.read(size) for file in files]
-            if any(len(block) < size for block in blocks):
-                raise ArrayError(f"{path}: the file ends within an array")
-            yield tuple(np.frombuffer(block, "<f8").reshape(-1, n) for block in blocks)  # type: ignore[misc]
+            count = min(PIECE, shapes[0] - first)
+            q, qd, qdd, tau = (
+                rows(file, count, width, path) for file, width in zip(files, widths, strict=True)
+            )
+            yield (q, qd, qdd, tau), (first + count) / shapes[0]
+
+
+def rows(file: Any, count: int, width: int, path: Path) -> Array:
+    """Read the next rows of an array."""
+    data = file.read(count * width * 8)
+    if len(data) < count * width * 8:
+        raise ArrayError(f"{path}: the file ends within an array")
+    return np.frombuffer(data, "<f8").reshape(count, width)
 
 
 def npy_header(file: Any, source: str, n: int) -> int:
@@ -130,7 +149,7 @@ def npy_header(file: Any, source: str, n: int) -> int:
     return int(shape[0])
 
 
-def from_parquet(path: Path, robot: Robot) -> Iterator[Piece]:
+def from_parquet(path: Path, robot: Robot) -> Iterator[tuple[Piece, float]]:
     """Read a Parquet file with columns as in CSV; pyarrow does it."""
     try:
         import pyarrow.parquet as parquet
@@ -138,11 +157,19 @@ def from_parquet(path: Path, robot: Robot) -> Iterator[Piece]:
         raise MissingPackageError(
             "reading Parquet needs the package pyarrow: pip install 'roberval[parquet]'"
         ) from None
-    with parquet.ParquetFile(path) as file:
+    # A page at a time: a row group may be larger than the memory there is.
+    with parquet.ParquetFile(path, pre_buffer=False, buffer_size=1 << 16) as file:
         wanted = titles(robot, file.schema_arrow.names, str(path))
         every = [title for of_array in wanted for title in of_array]
-        for batch in file.iter_batches(batch_size=PIECE, columns=every):
-            yield piece_of(batch.column, len(batch), wanted)
+        done, count = 0, max(file.metadata.num_rows, 1)
+        parts: list[Piece] = []
+        for batch in file.iter_batches(batch_size=LINES, columns=every, use_threads=False):
+            parts.append(piece_of(batch.column, len(batch), wanted))
+            done += len(batch)
+            if len(parts) * LINES >= PIECE or done >= count:
+                q, qd, qdd, tau = map(np.concatenate, zip(*parts, strict=True))
+                yield (q, qd, qdd, tau), done / count
+                parts = []
 
 
 def piece_of(column: Callable[[str], Any], count: int, wanted: list[list[str]]) -> Piece:
@@ -227,7 +254,9 @@ def command(arguments: Sequence[str]) -> int:
     parser.add_argument("--base", action="store_true", help="only the base parameters' columns")
     parser.add_argument("--friction", nargs="*", choices=FRICTION, default=[])
     parser.add_argument("--threads", type=int, metavar="T")
-    parser.add_argument("--checkpoint", type=Path, metavar="FILE", help="save progress, resume")
+    parser.add_argument(
+        "--checkpoint", type=Path, metavar="FILE", help="save progress in FILE, go on from there"
+    )
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     asked = parser.parse_args(arguments)
     try:
@@ -254,22 +283,26 @@ def reduce_files(asked: argparse.Namespace) -> None:
             )
     else:
         qr = ObservationQR(model, None, asked.friction, asked.threads)
-    skip, started, saved = qr.samples, time.monotonic(), time.monotonic()
-    for number, path in enumerate(asked.samples, 1):
-        for piece in pieces(path, robot):
-            if skip >= len(piece[0]):
-                skip -= len(piece[0])
+    skip, started = qr.samples, time.monotonic()
+    saved, pause = started, 0.0
+    for number, path in enumerate(asked.samples):
+        for piece, part in pieces(path, robot):
+            count = len(piece[1])
+            if skip >= count:
+                skip -= count
                 continue
             first, skip = skip, 0
             try:
                 qr.update(*(array[first:] for array in piece))
             except ArrayError as error:
                 raise ArrayError(f"{path}: {error} (samples are counted over all files)") from None
-            if checkpoint is not None and time.monotonic() - saved > 10:
+            now = time.monotonic()
+            if checkpoint is not None and now - saved >= pause:
                 qr.save(checkpoint)
                 saved = time.monotonic()
+                pause = (saved - now) / SAVING
             if not asked.quiet and sys.stderr.isatty():
-                progress(number, len(asked.samples), qr.samples, time.monotonic() - started)
+                progress((number + part) / len(asked.samples), qr.samples, now - started)
     if not asked.quiet and sys.stderr.isatty():
         print(file=sys.stderr)
     if checkpoint is not None:
@@ -280,14 +313,10 @@ def reduce_files(asked: argparse.Namespace) -> None:
     )
 
 
-def progress(number: int, count: int, samples: int, seconds: float) -> None:
+def progress(part: float, samples: int, seconds: float) -> None:
     """Draw the progress bar again."""
-    width = 24
-    full = width * number // count
+    width = 32
+    full = int(width * part)
     bar = "#" * full + "." * (width - full)
     rate = samples / max(seconds, 1e-3) / 1e6
-    print(
-        f"\r[{bar}] file {number}/{count}, {samples} samples, {rate:.2f} M/s ",
-        end="",
-        file=sys.stderr,
-    )
+    print(f"\r[{bar}] {part:4.0%}, {samples} samples, {rate:.2f} M/s ", end="", file=sys.stderr)

@@ -24,8 +24,8 @@ class ObservationQR:
     """The R factor of the observation matrix and the torques, taken in block by block.
 
     Memory does not grow with the samples. The result depends on the samples and their order
-    only, bit by bit, not on how they are cut into updates nor on the number of threads (it
-    does depend, in rounding, on the vector width of the processor).
+    only, bit by bit, not on how they are cut into updates, nor on the number of threads, nor on
+    the vector width of the processor (if it fuses products and sums, as all with AVX2 or NEON).
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class ObservationQR:
         self._robot = robot
         wanted = (FRICTION[0] in kinds, FRICTION[1] in kinds, FRICTION[2] in kinds)
         self._inner = _core.Accumulator.new(
-            robot._inner, [places[label] for label in columns], wanted, _threads(threads)
+            robot._inner, [places[label] for label in columns], wanted, arrays.thread_count(threads)
         )
 
     @classmethod
@@ -93,7 +93,9 @@ class ObservationQR:
         new = cls.__new__(cls)
         new._robot = model if isinstance(model, Robot) else model._robot
         data = Path(path).read_bytes()
-        new._inner = _core.Accumulator.from_bytes(data, new._robot._inner, _threads(threads))
+        new._inner = _core.Accumulator.from_bytes(
+            data, new._robot._inner, arrays.thread_count(threads)
+        )
         return new
 
     @property
@@ -224,22 +226,17 @@ def _restore(robot: Robot, data: bytes) -> ObservationQR:
     return new
 
 
-def _threads(threads: int | None) -> int | None:
-    if threads is not None and threads < 1:
-        raise OptionError(f"threads is {threads}, expected 1 or more")
-    return threads
-
-
 def write_whole(path: Path, data: bytes) -> None:
     """Write a file as a whole or not at all."""
-    descriptor, name = tempfile.mkstemp(dir=path.resolve().parent, prefix=f".{path.name}-")
-    written = Path(name)
+    target = path.resolve()
+    # Always of one name: what a killed process leaves behind is overwritten.
+    written = target.with_name(f".{target.name}.part")
     try:
-        with os.fdopen(descriptor, "wb") as file:
+        with written.open("wb") as file:
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
-        written.replace(path)
+        written.replace(target)
     except BaseException:
         written.unlink(missing_ok=True)
         raise

@@ -39,9 +39,10 @@ class Robot(Description):
         Ia                 kg m^2 (prismatic: kg), rotor inertia seen from the joint's side
     """
 
-    __slots__ = ("_reading",)
+    __slots__ = ("_packed", "_reading")
 
     _reading: Reading
+    _packed: dict[str, tuple[list[list[int]], int]]
 
     def __init__(self) -> None:
         raise TypeError("make a Robot with roberval.load, Robot.from_mdh, from_toml or from_urdf")
@@ -59,6 +60,7 @@ class Robot(Description):
         robot._reading = reading
         robot._labels = tuple(core.labels)
         robot._links = tuple(Link(*link) for link in core.links)
+        robot._packed = {}
         return robot
 
     @classmethod
@@ -255,6 +257,7 @@ class Robot(Description):
         model: Model = "d",
         *,
         out: Array | None = None,
+        threads: int | None = None,
     ) -> Array:
         """Evaluate a model, linear in the standard parameters, at joint states.
 
@@ -273,7 +276,10 @@ class Robot(Description):
             d: joint torques, ``tau = d @ X`` (Gautier 1991, eq. (5)); d0: the same at rest
             (eq. (8)); h: energy, of which only differences mean anything (eq. (10)).
         out : ndarray of float64, C-contiguous
-            Where to write the result.
+            Where to write the result. For many states hand in the same array again: fresh
+            memory costs more than the arithmetic.
+        threads : int, optional
+            Threads for large batches, by default all cores. The bits are the same.
 
         Returns
         -------
@@ -298,23 +304,75 @@ class Robot(Description):
         >>> puma.regressor(q, qd, qdd).shape
         (100, 6, 66)
         """
-        return self._rows(model, None, q, qd, qdd, out)
+        return self._rows(model, None, q, qd, qdd, out, threads)
+
+    def packed(
+        self,
+        q: npt.ArrayLike,
+        qd: npt.ArrayLike | None = None,
+        qdd: npt.ArrayLike | None = None,
+        model: Model = "d",
+        *,
+        out: Array | None = None,
+        threads: int | None = None,
+    ) -> Array:
+        """Evaluate only the numbers of a model that are not always zero, in tiles of samples.
+
+        The fastest form: `regressor` writes two to five times as much. Arguments are those of
+        `regressor`.
+
+        Returns
+        -------
+        ndarray, shape (tiles, slots, lanes)
+            ``[t, s, l]`` is the entry of slot s in sample ``t * lanes + l``; the last tile is
+            filled up with samples at rest. `packed_entries` says which entry a slot is.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import roberval as rv
+        >>> puma = rv.load("puma560")
+        >>> q = qd = qdd = np.ones((100, 6))
+        >>> tiles, slots, lanes = puma.packed(q, qd, qdd).shape
+        >>> slots, tiles * lanes >= 100
+        (216, True)
+        """
+        states = self._states(model, q, qd, qdd)
+        entries, lanes = self._packed_layout(model)
+        shape = (-(-len(states.q) // lanes), len(entries), lanes)
+        out = arrays.output(out, shape)
+        threads = arrays.thread_count(threads)
+        self._inner.packed(model, states.q, states.qd, states.qdd, out, threads)
+        return out
+
+    def packed_entries(self, model: Model = "d") -> npt.NDArray[np.intp]:
+        """Row and column of each slot of `packed`: shape (slots, 2). All others are zero."""
+        return np.array(self._packed_layout(model)[0], dtype=np.intp).reshape(-1, 2)
+
+    def _packed_layout(self, model: str) -> tuple[list[list[int]], int]:
+        """Row and column of each slot, and how many samples a tile has."""
+        layout = self._packed.get(model)
+        if layout is None:
+            layout = self._packed[model] = self._inner.packed_layout(model)
+        return layout
 
     def _rows(
         self,
         model: str,
-        columns: list[int] | None,
+        columns: tuple[_core.Columns, int] | None,
         q: npt.ArrayLike,
         qd: npt.ArrayLike | None,
         qdd: npt.ArrayLike | None,
         out: Array | None,
+        threads: int | None,
     ) -> Array:
-        """Evaluate the regressor, or some of its columns."""
+        """Evaluate the regressor, or some of its columns (with their number)."""
         states = self._states(model, q, qd, qdd)
-        width = len(self._labels) if columns is None else len(columns)
+        chosen, width = columns or (None, len(self._labels))
+        threads = arrays.thread_count(threads)
         rows = () if model == "h" else (self.n,)
         out = arrays.output(out, (*states.lead, *rows, width))
-        self._inner.regressor(model, columns, states.q, states.qd, states.qdd, out)
+        self._inner.regressor(model, chosen, states.q, states.qd, states.qdd, out, threads)
         return out
 
     def _states(
@@ -340,6 +398,9 @@ class Robot(Description):
         qd: npt.ArrayLike,
         qdd: npt.ArrayLike,
         X: npt.ArrayLike | Mapping[str, float] | None = None,
+        *,
+        out: Array | None = None,
+        threads: int | None = None,
     ) -> Array:
         """Joint torques (N m; forces in N for prismatic joints) ``tau = d @ X``.
 
@@ -350,10 +411,12 @@ class Robot(Description):
         X : array_like of shape (C,), or mapping from labels to values
             Standard parameters; by default those of the robot file. Labels that a mapping
             leaves out count as zero.
+        out, threads
+            As for `regressor`.
 
         Returns
         -------
-        ndarray, shape of `q`
+        ndarray, shape of `qd`
 
         Raises
         ------
@@ -362,8 +425,9 @@ class Robot(Description):
         """
         states = arrays.states(q, qd, qdd, self.nq, self.n)
         x = self._standard_parameters(X)
-        out = np.empty((*states.lead, self.n))
-        self._inner.torques(x, states.q, states.qd, states.qdd, out)
+        out = arrays.output(out, (*states.lead, self.n))
+        threads = arrays.thread_count(threads)
+        self._inner.torques(x, states.q, states.qd, states.qdd, out, threads)
         return out
 
     def _standard_parameters(self, X: npt.ArrayLike | Mapping[str, float] | None) -> Array:

@@ -21,6 +21,7 @@ use pyo3::prelude::*;
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<robot::Robot>()?;
+    module.add_class::<robot::Columns>()?;
     module.add_class::<answer::Answer>()?;
     module.add_class::<answer::Comparison>()?;
     module.add_class::<reduce::Accumulator>()?;

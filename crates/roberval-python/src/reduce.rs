@@ -21,7 +21,7 @@ use crate::robot::Robot;
 const SIGNALS: Duration = Duration::from_millis(40);
 
 /// Numbers of an update that are worth a thread to wait on: some ms.
-const LONG: usize = 1 << 20;
+const LONG: usize = 1 << 15;
 
 /// An accumulator. Calls from several threads wait for each other.
 #[pyclass(frozen, module = "roberval._core")]
@@ -100,28 +100,48 @@ impl Accumulator {
         joint_weights: Option<PyReadonlyArray1<'_, f64>>,
         row_weights: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<()> {
-        let size = q.len();
-        // Python's threads may change the arrays while we compute.
-        let [q, qd, qdd, tau] = [q.to_vec()?, qd.to_vec()?, qdd.to_vec()?, tau.to_vec()?];
+        let [count, n] = [qd.shape()[0], qd.shape()[1]];
+        let nq = q.shape()[1];
         let joints = joint_weights.map(|w| w.to_vec()).transpose()?;
-        let rows = row_weights.map(|w| w.to_vec()).transpose()?;
-        let samples = Samples {
-            states: States {
-                q: &q,
-                qd: &qd,
-                qdd: &qdd,
-            },
-            tau: &tau,
-            weights: match (&joints, &rows) {
-                (Some(joints), _) => Weights::Joints(joints),
-                (_, Some(rows)) => Weights::Rows(rows),
-                _ => Weights::Equal,
-            },
-        };
-        if size < LONG {
-            return detached(py, || self.lock().update(&samples));
+        let arrays = [(&q, nq), (&qd, n), (&qdd, n), (&tau, n)];
+        // More than one wave: an error in a later one undoes the earlier ones.
+        let wave = py.detach(|| self.lock().wave());
+        let before = (count > wave).then(|| py.detach(|| self.lock().clone()));
+        let mut copies: [Vec<f64>; 5] = Default::default();
+        for first in (0..count.max(1)).step_by(wave) {
+            let last = (first + wave).min(count);
+            // Python's threads may change the arrays while we compute.
+            for (copy, (array, width)) in copies.iter_mut().zip(arrays) {
+                copy.clear();
+                copy.extend_from_slice(&array.as_slice()?[first * width..last * width]);
+            }
+            if let Some(rows) = &row_weights {
+                copies[4].clear();
+                copies[4].extend_from_slice(&rows.as_slice()?[first * n..last * n]);
+            }
+            let [q, qd, qdd, tau, rows] = &copies;
+            let samples = Samples {
+                states: States { q, qd, qdd },
+                tau,
+                weights: match (&joints, &row_weights) {
+                    (Some(joints), _) => Weights::Joints(joints),
+                    (_, Some(_)) => Weights::Rows(rows),
+                    _ => Weights::Equal,
+                },
+            };
+            let done = if q.len() < LONG {
+                detached(py, || self.lock().update(&samples))
+            } else {
+                self.long_update(py, &samples)
+            };
+            if let Err(error) = done.and_then(|()| py.check_signals()) {
+                if let Some(before) = before {
+                    *self.lock() = before;
+                }
+                return Err(error);
+            }
         }
-        self.long_update(py, &samples)
+        Ok(())
     }
 
     fn merge(&self, py: Python<'_>, other: &Self) -> PyResult<()> {
@@ -202,8 +222,9 @@ impl IntoPython for ReduceError {
     fn into_python(self, py: Python<'_>) -> PyErr {
         let class = match self {
             Self::Length { .. } => "ShapeError",
-            Self::NotFinite { .. } | Self::Weight { .. } => "ArrayError",
-            Self::Constrained | Self::Column { .. } => "OptionError",
+            Self::NotFinite { .. } | Self::Weight { .. } | Self::Quaternion { .. } => "ArrayError",
+            Self::NoValue { .. } => "ArrayError",
+            Self::Column { .. } => "OptionError",
             Self::Stopped => return pyo3::exceptions::PyKeyboardInterrupt::new_err(()),
         };
         raise(py, class, &self.to_string())

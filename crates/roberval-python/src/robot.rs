@@ -17,7 +17,7 @@ use crate::calls::{detached, interruptible};
 use crate::errors::IntoPython;
 use crate::options::{self, OptionArguments, Reading, rendering};
 use crate::scaling::{self, Scaling, ScalingArguments};
-use crate::states::{OwnedStates, vector};
+use crate::states::{StateArrays, Target, vector};
 use crate::symbols::Symbolic;
 
 /// A robot, immutable.
@@ -29,6 +29,10 @@ pub struct Robot {
     mechanism: Arc<Mechanism>,
     regressor: Regressor,
 }
+
+/// A choice of columns, made ready.
+#[pyclass(frozen, module = "roberval._core")]
+pub struct Columns(roberval_regressor::Columns);
 
 /// Name, joint name, antecedent, kind, active, rotor of a link.
 type CoupleRow = (String, Vec<(String, String)>, String, Option<String>);
@@ -254,45 +258,96 @@ impl Robot {
         Some(PyArray1::from_vec(py, x))
     }
 
-    /// Rows of d, d0 or h into `out`: all columns, or those listed.
+    /// Some columns of a model, made ready for many calls.
+    fn columns(&self, py: Python<'_>, model: &str, columns: Vec<usize>) -> PyResult<Columns> {
+        let model = options::model(py, model)?;
+        Ok(Columns(self.regressor.columns(model, &columns)))
+    }
+
+    /// Rows of d, d0 or h into `out`: all columns, or those made ready.
     #[allow(clippy::too_many_arguments)] // the signature is Python's
-    fn regressor(
+    fn regressor<'py>(
         &self,
-        py: Python<'_>,
+        py: Python<'py>,
         model: &str,
-        columns: Option<Vec<usize>>,
-        q: PyReadonlyArray2<'_, f64>,
-        qd: PyReadonlyArray2<'_, f64>,
-        qdd: PyReadonlyArray2<'_, f64>,
-        out: &Bound<'_, PyArrayDyn<f64>>,
+        columns: Option<&Columns>,
+        q: PyReadonlyArray2<'py, f64>,
+        qd: PyReadonlyArray2<'py, f64>,
+        qdd: PyReadonlyArray2<'py, f64>,
+        out: &Bound<'py, PyArrayDyn<f64>>,
+        threads: Option<usize>,
     ) -> PyResult<()> {
         let model = options::model(py, model)?;
-        let states = OwnedStates::copy(&q, &qd, &qdd)?;
-        drop((q, qd, qdd)); // else `out` could not share memory with them
-        let width = columns
-            .as_ref()
-            .map_or(self.regressor.parameters().len(), Vec::len);
-        let size = model.rows(self.regressor.independent()) * width;
-        states.fill_blocks(py, size, out, |states, out| match &columns {
-            None => self.regressor.fill(model, states, out),
-            Some(columns) => self.regressor.fill_columns(model, columns, states, out),
+        let columns = columns.map(|columns| &columns.0);
+        let all = self.regressor.parameters().len();
+        let width = columns.map_or(all, |columns| columns.columns().len());
+        let target = Target {
+            out,
+            size: model.rows(self.regressor.independent()) * width,
+            tile: 1,
+            slow: self.regressor.expansion().is_some(),
+            threads,
+        };
+        StateArrays { q, qd, qdd }.fill(py, &target, |states, out, past_cache| {
+            let regressor = &self.regressor;
+            regressor.fill_part(model, columns, states, out, past_cache)
         })
     }
 
-    /// Gamma = d X into `out` (N x n).
-    fn torques(
+    /// The nonzeros in tiles into `out`.
+    #[allow(clippy::too_many_arguments)] // the signature is Python's
+    fn packed<'py>(
         &self,
-        py: Python<'_>,
+        py: Python<'py>,
+        model: &str,
+        q: PyReadonlyArray2<'py, f64>,
+        qd: PyReadonlyArray2<'py, f64>,
+        qdd: PyReadonlyArray2<'py, f64>,
+        out: &Bound<'py, PyArrayDyn<f64>>,
+        threads: Option<usize>,
+    ) -> PyResult<()> {
+        let model = options::model(py, model)?;
+        let target = Target {
+            out,
+            size: self.regressor.packed_layout(model).entries().len(),
+            tile: self.regressor.lanes(),
+            slow: self.regressor.expansion().is_some(),
+            threads,
+        };
+        StateArrays { q, qd, qdd }.fill(py, &target, |states, out, past_cache| {
+            let regressor = &self.regressor;
+            regressor.fill_packed_part(model, states, out, past_cache)
+        })
+    }
+
+    /// Row and column of each packed number, and how many samples a tile has.
+    fn packed_layout(&self, py: Python<'_>, model: &str) -> PyResult<(Vec<[usize; 2]>, usize)> {
+        let layout = self.regressor.packed_layout(options::model(py, model)?);
+        let entries = layout.entries().iter().map(|&(row, column)| [row, column]);
+        Ok((entries.collect(), self.regressor.lanes()))
+    }
+
+    /// Gamma = d X into `out` (N x n).
+    #[allow(clippy::too_many_arguments)] // the signature is Python's
+    fn torques<'py>(
+        &self,
+        py: Python<'py>,
         x: PyReadonlyArray1<'_, f64>,
-        q: PyReadonlyArray2<'_, f64>,
-        qd: PyReadonlyArray2<'_, f64>,
-        qdd: PyReadonlyArray2<'_, f64>,
-        out: &Bound<'_, PyArrayDyn<f64>>,
+        q: PyReadonlyArray2<'py, f64>,
+        qd: PyReadonlyArray2<'py, f64>,
+        qdd: PyReadonlyArray2<'py, f64>,
+        out: &Bound<'py, PyArrayDyn<f64>>,
+        threads: Option<usize>,
     ) -> PyResult<()> {
         let x = vector(&x)?;
-        let states = OwnedStates::copy(&q, &qd, &qdd)?;
-        drop((q, qd, qdd));
-        states.fill_blocks(py, self.regressor.independent(), out, |states, out| {
+        let target = Target {
+            out,
+            size: self.regressor.independent(),
+            tile: 1,
+            slow: self.regressor.expansion().is_some(),
+            threads,
+        };
+        StateArrays { q, qd, qdd }.fill(py, &target, |states, out, _| {
             self.regressor.torques(&x, states, out)
         })
     }
@@ -305,7 +360,7 @@ impl Robot {
         qd: PyReadonlyArray2<'_, f64>,
         qdd: PyReadonlyArray2<'_, f64>,
     ) -> PyResult<Vec<Bound<'py, PyArray1<f64>>>> {
-        let samples = OwnedStates::copy(&q, &qd, &qdd)?.into_samples();
+        let samples = StateArrays { q, qd, qdd }.all()?.into_samples();
         let all = detached(py, || self.regressor.expand(samples.states()))?;
         Ok(all.into_iter().map(|x| PyArray1::from_vec(py, x)).collect())
     }
@@ -341,7 +396,7 @@ impl Robot {
         let mechanism = Arc::clone(&self.mechanism);
         let answer = match (q, qd, qdd) {
             (Some(q), Some(qd), Some(qdd)) => {
-                let samples = OwnedStates::copy(&q, &qd, &qdd)?.into_samples();
+                let samples = StateArrays { q, qd, qdd }.all()?.into_samples();
                 interruptible(py, move || {
                     base_parameters_at(&mechanism, &options, &samples)
                 })?

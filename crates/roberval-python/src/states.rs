@@ -1,19 +1,43 @@
 //! Joint states and output arrays.
 
+use std::sync::{Mutex, PoisonError};
+
 use numpy::{
-    PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
+    PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArrayDyn,
+    PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 use roberval_base::Samples;
-use roberval_regressor::{RegressorError, States};
+use roberval_regressor::{RegressorError, STREAM_BYTES, States};
 
 use crate::calls::detached;
 use crate::errors::raise;
 
-/// Numbers that one block of samples writes before Ctrl-C is looked at: some ms.
-const BLOCK: usize = 1 << 20;
+/// Samples that one thread takes at a time: whole tiles, whole stretches of samples whose
+/// loops are closed one after the other.
+const PIECE: usize = 512;
 
-/// A copy of N joint states: Python's threads may change the arrays while we compute.
+/// Numbers written before Ctrl-C is looked at: some ms.
+const BLOCK: usize = 1 << 21;
+
+/// Samples read at a time: their states stay in the cache.
+const WAVE: usize = 1 << 14;
+
+/// The same where each sample takes microseconds: loops that have to be closed.
+const SLOW_WAVE: usize = 1 << 10;
+
+/// Numbers that are not worth a second thread.
+const SMALL: usize = 1 << 17;
+
+/// N joint states of Python.
+pub struct StateArrays<'py> {
+    pub q: PyReadonlyArray2<'py, f64>,
+    pub qd: PyReadonlyArray2<'py, f64>,
+    pub qdd: PyReadonlyArray2<'py, f64>,
+}
+
+/// A copy of joint states: Python's threads may change the arrays while we compute.
+#[derive(Default)]
 pub struct OwnedStates {
     q: Vec<f64>,
     qd: Vec<f64>,
@@ -23,21 +47,120 @@ pub struct OwnedStates {
     dof: usize,
 }
 
-impl OwnedStates {
-    pub fn copy(
-        q: &PyReadonlyArray2<'_, f64>,
-        qd: &PyReadonlyArray2<'_, f64>,
-        qdd: &PyReadonlyArray2<'_, f64>,
-    ) -> PyResult<Self> {
-        Ok(Self {
-            positions: q.shape()[1],
-            dof: qd.shape()[1],
-            q: q.to_vec()?,
-            qd: qd.to_vec()?,
-            qdd: qdd.to_vec()?,
-        })
+/// What a call fills.
+pub struct Target<'a, 'py> {
+    pub out: &'a Bound<'py, PyArrayDyn<f64>>,
+    /// Numbers of one sample.
+    pub size: usize,
+    /// Samples that stand together: 1 for rows, as many as lanes for tiles.
+    pub tile: usize,
+    /// Whether joints follow from others.
+    pub slow: bool,
+    /// All cores if none is given.
+    pub threads: Option<usize>,
+}
+
+impl<'py> StateArrays<'py> {
+    /// The samples `first..last` into `to`.
+    fn copy(&self, first: usize, last: usize, to: &mut OwnedStates) -> PyResult<()> {
+        (to.positions, to.dof) = (self.q.shape()[1], self.qd.shape()[1]);
+        let arrays = [
+            (&self.q, &mut to.q, to.positions),
+            (&self.qd, &mut to.qd, to.dof),
+            (&self.qdd, &mut to.qdd, to.dof),
+        ];
+        for (from, to, width) in arrays {
+            to.clear();
+            to.extend_from_slice(&from.as_slice()?[first * width..last * width]);
+        }
+        Ok(())
     }
 
+    /// All samples.
+    pub fn all(&self) -> PyResult<OwnedStates> {
+        let mut all = OwnedStates::default();
+        self.copy(0, self.count(), &mut all)?;
+        Ok(all)
+    }
+
+    fn count(&self) -> usize {
+        self.q.shape()[0]
+    }
+
+    /// Calls `fill` for piece after piece of samples with the GIL released, on several
+    /// threads if there are many, each with its part of the target and told whether to
+    /// write past the cache. Answers Ctrl-C in between.
+    pub fn fill(
+        self,
+        py: Python<'_>,
+        target: &Target<'_, '_>,
+        fill: impl Fn(States<'_>, &mut [f64], bool) -> Result<(), RegressorError> + Sync,
+    ) -> PyResult<()> {
+        let mut scratch = OwnedStates::default();
+        if let Ok(mut out) = target.out.try_readwrite() {
+            let each = |first, last, to: &mut OwnedStates| self.copy(first, last, to);
+            return waves(py, target, self.count(), &mut out, &mut scratch, each, fill);
+        }
+        // The states are in the memory of the target: all are copied first.
+        let (all, count) = (self.all()?, self.count());
+        drop(self);
+        let mut out = target
+            .out
+            .try_readwrite()
+            .map_err(|e| raise(py, "ArrayError", &format!("out cannot be written: {e}")))?;
+        let each = |first, last, to: &mut OwnedStates| {
+            *to = all.cut(first, last);
+            Ok(())
+        };
+        waves(py, target, count, &mut out, &mut scratch, each, fill)
+    }
+}
+
+/// Wave after wave of samples that `read` copies.
+fn waves(
+    py: Python<'_>,
+    target: &Target<'_, '_>,
+    count: usize,
+    out: &mut PyReadwriteArrayDyn<'_, f64>,
+    scratch: &mut OwnedStates,
+    read: impl Fn(usize, usize, &mut OwnedStates) -> PyResult<()>,
+    fill: impl Fn(States<'_>, &mut [f64], bool) -> Result<(), RegressorError> + Sync,
+) -> PyResult<()> {
+    let out = out.as_slice_mut()?;
+    let past_cache = size_of_val(out) > STREAM_BYTES;
+    let size = target.size.max(1);
+    let threads = threads_for(target.threads, out.len());
+    let most = if target.slow { SLOW_WAVE } else { WAVE };
+    let whole = (BLOCK / size).min(most).max(1) * threads;
+    let wave = whole.next_multiple_of(PIECE);
+    for first in (0..count).step_by(wave) {
+        let last = (first + wave).min(count);
+        let end = (last.next_multiple_of(target.tile) * size).min(out.len());
+        let out = &mut out[first * size..end];
+        read(first, last, scratch)?;
+        let (states, fill) = (&*scratch, &fill);
+        detached(py, || {
+            let filled = match threads {
+                1 => fill(states.all(), out, past_cache),
+                _ => states.fill_pieces(threads, out, size, &|s, o| fill(s, o, past_cache)),
+            };
+            filled.map_err(|e| shift(e, first))
+        })?;
+        py.check_signals()?;
+    }
+    Ok(())
+}
+
+/// The threads for so many numbers.
+fn threads_for(asked: Option<usize>, numbers: usize) -> usize {
+    if numbers < SMALL {
+        return 1;
+    }
+    let cores = || std::thread::available_parallelism().map_or(1, Into::into);
+    asked.unwrap_or_else(cores)
+}
+
+impl OwnedStates {
     /// The states as samples for an analysis.
     pub fn into_samples(self) -> Samples {
         Samples {
@@ -49,29 +172,22 @@ impl OwnedStates {
         }
     }
 
-    /// Calls `fill` for block after block of samples with the GIL released, each with
-    /// its part of `out` (`size` numbers a sample), and answers Ctrl-C in between.
-    pub fn fill_blocks(
-        &self,
-        py: Python<'_>,
-        size: usize,
-        out: &Bound<'_, PyArrayDyn<f64>>,
-        fill: impl Fn(States<'_>, &mut [f64]) -> Result<(), RegressorError> + Sync,
-    ) -> PyResult<()> {
-        let mut out = out
-            .try_readwrite()
-            .map_err(|e| raise(py, "ArrayError", &format!("out cannot be written: {e}")))?;
-        let out = out.as_slice_mut()?;
-        let samples = (BLOCK / size.max(1)).max(1);
-        let count = self.q.len() / self.positions.max(1);
-        for first in (0..count).step_by(samples) {
-            let last = (first + samples).min(count);
-            let states = self.part(first, last);
-            let out = &mut out[first * size..last * size];
-            detached(py, || fill(states, out).map_err(|e| shift(e, first)))?;
-            py.check_signals()?;
+    pub fn all(&self) -> States<'_> {
+        States {
+            q: &self.q,
+            qd: &self.qd,
+            qdd: &self.qdd,
         }
-        Ok(())
+    }
+
+    fn cut(&self, first: usize, last: usize) -> Self {
+        let states = self.part(first, last);
+        Self {
+            q: states.q.to_vec(),
+            qd: states.qd.to_vec(),
+            qdd: states.qdd.to_vec(),
+            ..*self
+        }
     }
 
     fn part(&self, first: usize, last: usize) -> States<'_> {
@@ -82,12 +198,51 @@ impl OwnedStates {
             qdd: &self.qdd[range],
         }
     }
+
+    /// Piece after piece on the next free thread. Threads end with the call: there are none
+    /// that a forked process could miss.
+    fn fill_pieces(
+        &self,
+        threads: usize,
+        out: &mut [f64],
+        size: usize,
+        fill: &(impl Fn(States<'_>, &mut [f64]) -> Result<(), RegressorError> + Sync),
+    ) -> Result<(), RegressorError> {
+        let count = self.q.len() / self.positions.max(1);
+        let pieces = Mutex::new(out.chunks_mut(PIECE * size).enumerate());
+        let fault: Mutex<Option<(usize, RegressorError)>> = Mutex::new(None);
+        let work = || {
+            loop {
+                let next = pieces.lock().unwrap_or_else(PoisonError::into_inner).next();
+                let Some((piece, out)) = next else { return };
+                let (first, last) = (piece * PIECE, ((piece + 1) * PIECE).min(count));
+                let Err(error) = fill(self.part(first, last), out) else {
+                    continue;
+                };
+                let mut fault = fault.lock().unwrap_or_else(PoisonError::into_inner);
+                if fault.as_ref().is_none_or(|(earlier, _)| piece < *earlier) {
+                    *fault = Some((piece, shift(error, first)));
+                }
+            }
+        };
+        std::thread::scope(|scope| {
+            for _ in 1..threads {
+                scope.spawn(work);
+            }
+            work();
+        });
+        let fault = fault.into_inner().unwrap_or_else(PoisonError::into_inner);
+        fault.map_or(Ok(()), |(_, error)| Err(error))
+    }
 }
 
-/// A fault of a block, with the sample counted from the beginning.
+/// A fault of a part, with the sample counted from the beginning.
 fn shift(mut error: RegressorError, first: usize) -> RegressorError {
-    if let RegressorError::NotFinite { sample, .. } = &mut error {
-        *sample += first;
+    match &mut error {
+        RegressorError::NotFinite { sample, .. }
+        | RegressorError::Quaternion { sample, .. }
+        | RegressorError::NoValue { sample, .. } => *sample += first,
+        RegressorError::Length { .. } => {}
     }
     error
 }

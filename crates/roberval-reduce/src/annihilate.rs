@@ -179,12 +179,21 @@ fn apply<V: Lanes, const K: usize, const C: usize>(
         }
     }
     for i in 0..rows {
+        // All is read before anything is written: the compiler cannot know that they differ.
+        let (mut v, mut entries) = ([zero; K], [zero; C]);
+        for k in 0..K {
+            v[k] = v_of[k][i];
+        }
         for c in 0..C {
-            let mut entry = x[c][i];
-            for k in 0..K {
-                entry = v_of[k][i].neg_mul_add(z[k][c], entry);
+            entries[c] = x[c][i];
+        }
+        for k in 0..K {
+            for c in 0..C {
+                entries[c] = v[k].neg_mul_add(z[k][c], entries[c]);
             }
-            x[c][i] = entry;
+        }
+        for c in 0..C {
+            x[c][i] = entries[c];
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::plan::Friction;
 use crate::stream::Reduction;
 
 /// What a checkpoint begins with; the last character is the form's version.
-const MAGIC: &[u8; 8] = b"RBVLQR\x001";
+const MAGIC: &[u8; 8] = b"RBVLQR\x002";
 
 /// A checksum's bytes.
 const CHECKSUM: usize = 32;
@@ -25,16 +25,6 @@ pub enum CheckpointError {
     /// Another robot.
     #[error("the checkpoint is of another robot")]
     Model,
-    /// Another processor.
-    #[error(
-        "the checkpoint was made with {found} lanes and this processor has {expected}: only its R factor can be used here (load it where it was made and merge)"
-    )]
-    Lanes {
-        /// Of the checkpoint.
-        found: usize,
-        /// Here.
-        expected: usize,
-    },
 }
 
 impl Reduction {
@@ -53,7 +43,6 @@ impl Reduction {
         for &column in &self.choice {
             out.integer(column as u64);
         }
-        out.integer(self.plan.width.lanes() as u64);
         out.integer(self.samples);
         out.integer(self.tiles as u64);
         out.numbers(&self.block);
@@ -105,10 +94,6 @@ impl Reduction {
             .collect::<Result<Vec<_>, _>>()?;
         let mut new =
             Self::new(regressor, &columns, friction).map_err(|_| CheckpointError::Model)?;
-        let (found, expected) = (body.integer()? as usize, new.plan.width.lanes());
-        if found != expected {
-            return Err(CheckpointError::Lanes { found, expected });
-        }
         new.samples = body.integer()?;
         new.tiles = body.integer()? as usize;
         new.block = body.numbers()?;
@@ -124,7 +109,15 @@ impl Reduction {
             new.merged = Some(factor.ok_or(CheckpointError::Damaged)?);
         }
         let fits = |r: &Vec<f64>| r.is_empty() || r.len() == new.plan.factor();
-        let whole = new.block.len() == new.plan.factor() && new.levels.iter().all(fits);
+        let [positions, n] = new.plan.widths;
+        let held = new.rest[3].len() / n;
+        let of_rest = |(rest, width): (&Vec<f64>, usize)| rest.len() == held * width;
+        let widths = [positions, n, n, n];
+        let whole = new.rest.iter().zip(widths).all(of_rest)
+            && (new.rest[4].is_empty() || new.rest[4].len() == held * n)
+            && held < new.plan.samples()
+            && new.block.len() == new.plan.factor()
+            && new.levels.iter().all(fits);
         if whole && body.0.is_empty() {
             Ok(new)
         } else {
@@ -136,7 +129,10 @@ impl Reduction {
 /// A digest of the robot: its geometry as the recursion knows it, and its columns.
 fn identity(regressor: &Regressor) -> Vec<u8> {
     let mut digest = Sha256::new();
-    digest.update(format!("{:?}", regressor.unconstrained()));
+    digest.update(format!("{:?}", regressor.tree()));
+    if let Some(expansion) = regressor.expansion() {
+        digest.update(expansion.description());
+    }
     for label in regressor.parameters().labels() {
         digest.update(label);
         digest.update([0]);

@@ -4,8 +4,8 @@ use roberval_scalar::{Lanes, Task, dispatch_one};
 
 use crate::annihilate::annihilate;
 use crate::layout::Segment;
-use crate::plan::Plan;
-use crate::tiles::{from_lanes, spread, to_lanes};
+use crate::plan::{LEAVES, Plan};
+use crate::tiles::spread;
 
 /// A diagonal entry below this many eps of its column's norm leaves a coefficient
 /// undetermined: rounding of the factorisation alone could have made it.
@@ -177,12 +177,12 @@ impl Task for MergeOne<'_> {
 
     #[inline(always)]
     fn run<V: Lanes>(self) {
-        let mut r = to_lanes::<V>(self.r);
-        let later = to_lanes::<V>(self.later);
+        let mut r = singles::<V>(self.r);
+        let later = singles::<V>(self.later);
         let mut tile = vec![V::lift(0.0); self.triangle.tile()];
         spread(&self.triangle, &later, &mut tile);
         annihilate(&self.triangle, &mut r, &mut tile);
-        from_lanes(&r, self.r);
+        store(&r, self.r);
     }
 }
 
@@ -198,7 +198,7 @@ impl Task for Gather<'_> {
 
     #[inline(always)]
     fn run<V: Lanes>(self) -> Vec<f64> {
-        let (plan, count) = (self.plan, self.plan.width.lanes());
+        let (plan, count) = (self.plan, LEAVES);
         let mut rest = self.lanes;
         let merged: Vec<Vec<V>> = plan
             .layout
@@ -226,7 +226,7 @@ impl Task for Gather<'_> {
         let mut r = vec![V::lift(0.0); all.factor()];
         annihilate(&all, &mut r, &mut tile);
         let mut numbers = vec![0.0; r.len()];
-        from_lanes(&r, &mut numbers);
+        store(&r, &mut numbers);
         numbers
     }
 }
@@ -235,12 +235,25 @@ impl Task for Gather<'_> {
 #[inline(always)]
 fn merge_lanes<V: Lanes>(triangle: &Segment, lanes: &[f64], count: usize) -> Vec<V> {
     let lane = |l: usize| -> Vec<f64> { lanes.iter().copied().skip(l).step_by(count).collect() };
-    let mut r = to_lanes::<V>(&lane(0));
+    let mut r = singles::<V>(&lane(0));
     let mut tile = vec![V::lift(0.0); triangle.tile()];
     for l in 1..count {
         tile.fill(V::lift(0.0));
-        spread(triangle, &to_lanes::<V>(&lane(l)), &mut tile);
+        spread(triangle, &singles::<V>(&lane(l)), &mut tile);
         annihilate(triangle, &mut r, &mut tile);
     }
     r
+}
+
+/// Numbers as single lanes.
+#[inline(always)]
+fn singles<V: Lanes>(numbers: &[f64]) -> Vec<V> {
+    numbers.chunks_exact(V::COUNT).map(V::load).collect()
+}
+
+#[inline(always)]
+fn store<V: Lanes>(lanes: &[V], numbers: &mut [f64]) {
+    for (x, to) in lanes.iter().zip(numbers.chunks_exact_mut(V::COUNT)) {
+        x.store(to);
+    }
 }

@@ -113,6 +113,8 @@ pub(crate) struct Layout {
     pub segments: Vec<Segment>,
     /// The rows of each segment, from the base.
     pub rows: Vec<Vec<usize>>,
+    /// Whether columns have room on rows where they have no entry.
+    full: bool,
 }
 
 impl Layout {
@@ -130,6 +132,7 @@ impl Layout {
             return Self {
                 segments: vec![Segment::new(full)],
                 rows: vec![(0..dof).collect()],
+                full: true,
             };
         }
         let chains = chains(dof, &parents);
@@ -140,7 +143,13 @@ impl Layout {
         Self {
             segments,
             rows: chains,
+            full: false,
         }
+    }
+
+    /// Whether columns have room on rows where they have no entry, which must be kept zero.
+    pub(crate) fn is_full(&self) -> bool {
+        self.full
     }
 }
 

@@ -9,6 +9,10 @@ use crate::layout::{Layout, Segment};
 /// Lane vectors of a row in a tile: enough to pay for reading R.
 pub(crate) const GROUPS: usize = 8;
 
+/// Independent factors that rows are dealt out to in turn, one a lane of the widest
+/// processor. Narrower ones take some after the others: the numbers are the same.
+pub(crate) const LEAVES: usize = 8;
+
 /// Columns for friction, one a joint each, after those of the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Friction {
@@ -43,10 +47,10 @@ pub(crate) struct Plan {
     pub width: Width,
     /// Lane vectors of all segments' tiles; one more place takes what nobody asked for.
     pub tile: usize,
-    /// The places of the ten columns of each link on each row, in the recursion's order.
-    pub links: Vec<[u32; 10]>,
-    /// The place of each link's Ia.
-    pub rotors: Vec<u32>,
+    /// The place of each of the packed numbers of a sample.
+    pub slots: Vec<u32>,
+    /// Whether there are places that no number goes to: zeros.
+    pub holes: bool,
     /// The places of viscous, Coulomb and offset of each joint.
     pub friction: Vec<[u32; 3]>,
     /// The place of each joint's torque.
@@ -55,11 +59,15 @@ pub(crate) struct Plan {
     pub rows: Vec<Vec<u32>>,
     /// Number of columns P, without the right-hand side.
     pub columns: usize,
+    /// Coordinates of q, and rows of a sample.
+    pub widths: [usize; 2],
 }
 
 impl Plan {
     pub(crate) fn new(regressor: &Regressor, columns: &[usize], friction: Friction) -> Self {
-        let n = regressor.dof();
+        let n = regressor.independent();
+        // Nothing rubs where a robot floats.
+        let first_joint = if regressor.tree().is_floating() { 6 } else { 0 };
         let entries = regressor.packed_layout(Model::D).entries();
         let mut rows: Vec<Vec<usize>> = vec![Vec::new(); columns.len()];
         let mut ids = vec![None; regressor.parameters().len()];
@@ -76,64 +84,50 @@ impl Plan {
         for (first, wanted) in first_of_kind.iter_mut().zip(kinds) {
             if wanted {
                 *first = Some(rows.len());
-                rows.extend((0..n).map(|j| vec![j]));
+                rows.extend((first_joint..n).map(|j| vec![j]));
             }
         }
         let right = rows.len();
         rows.push((0..n).collect());
         let layout = Layout::new(n, &rows, GROUPS);
         let places = Places::new(&layout, right + 1, n);
-        let mut plan = Self {
+        let friction = (0..n).map(|j| {
+            let at = j.checked_sub(first_joint);
+            first_of_kind.map(|first| places.of(first.zip(at).map(|(first, at)| first + at), j))
+        });
+        Self {
             triangles: layout.segments.iter().map(Segment::triangle).collect(),
             groups: GROUPS,
             width: regressor.width(),
             tile: places.trash as usize,
-            links: Vec::new(),
-            rotors: Vec::new(),
-            friction: (0..n)
-                .map(|j| first_of_kind.map(|first| places.of(first.map(|first| first + j), j)))
+            slots: entries
+                .iter()
+                .map(|&(row, column)| places.of(ids[column], row))
                 .collect(),
+            holes: layout.is_full(),
+            friction: friction.collect(),
             right: (0..n).map(|j| places.of(Some(right), j)).collect(),
             rows: places.rows(),
             columns: right,
+            widths: [regressor.positions(), n],
             layout,
-        };
-        plan.take(regressor, entries, &ids, &places);
-        plan
+        }
     }
 
-    /// Sorts the packed entries into tens and rotors.
-    fn take(
-        &mut self,
-        regressor: &Regressor,
-        entries: &[(usize, usize)],
-        ids: &[Option<usize>],
-        places: &Places,
-    ) {
-        let space = regressor.parameters();
-        let mut at = 0;
-        while let Some(&(row, column)) = entries.get(at) {
-            let link = space.ids()[column].link;
-            if space.rotor_column(link) == Some(column) {
-                self.rotors.push(places.of(ids[column], row));
-                at += 1;
-                continue;
-            }
-            self.links
-                .push(std::array::from_fn(|k| places.of(ids[column + k], row)));
-            at += 10;
-        }
+    /// Rows of a sample.
+    pub(crate) fn n(&self) -> usize {
+        self.widths[1]
     }
 
     /// Samples in a tile.
     pub(crate) fn samples(&self) -> usize {
-        self.groups * self.width.lanes()
+        self.groups * LEAVES
     }
 
-    /// Numbers of the lane factors of all segments.
+    /// Numbers of the leaves' factors of all segments.
     pub(crate) fn factor(&self) -> usize {
         let vectors: usize = self.layout.segments.iter().map(Segment::factor).sum();
-        vectors * self.width.lanes()
+        vectors * LEAVES
     }
 
     /// Tiles of a block: each block has factors of its own, which are merged in a fixed

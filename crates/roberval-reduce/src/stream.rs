@@ -4,12 +4,12 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use roberval_regressor::{Regressor, States};
+use roberval_regressor::{Expanded, NoValue, Regressor, RegressorError, States};
 use roberval_scalar::dispatch;
 
 use crate::factor::Factor;
 use crate::plan::{Friction, Plan};
-use crate::tiles::{Absorb, Measured, Merge};
+use crate::tiles::{Absorb, Control, Measured, Merge};
 
 /// Samples: joint states, torques and what each row counts. All row-major, N x n.
 #[derive(Debug, Clone, Copy)]
@@ -38,7 +38,7 @@ pub enum Weights<'a> {
 pub enum ReduceError {
     /// An array has the wrong number of entries.
     #[error(
-        "{array} has {found} entries, expected {expected} ({samples} samples x {joints} joints)"
+        "{array} has {found} entries, expected {expected} ({samples} samples x {joints} coordinates)"
     )]
     Length {
         /// Which array.
@@ -49,7 +49,7 @@ pub enum ReduceError {
         found: usize,
         /// Samples N, from the length of q.
         samples: usize,
-        /// Joints n.
+        /// Coordinates of a sample.
         joints: usize,
     },
     /// An entry is NaN or infinite.
@@ -72,9 +72,24 @@ pub enum ReduceError {
         /// What was found.
         value: f64,
     },
-    /// The robot's joints depend on each other.
-    #[error("the robot has joints that depend on others: its rows cannot be reduced yet")]
-    Constrained,
+    /// The attitude of a floating base is none.
+    #[error(
+        "q[{sample}, 3:7] has length {length}: the attitude of a floating base must be a quaternion (x, y, z, w) of length 1"
+    )]
+    Quaternion {
+        /// Row, from 0, counted from the first sample of this accumulator.
+        sample: u64,
+        /// Its length.
+        length: f64,
+    },
+    /// The constraints have no value at a state.
+    #[error("sample {sample}: {error}")]
+    NoValue {
+        /// Row, from 0, counted from the first sample of this accumulator.
+        sample: u64,
+        /// What has no value.
+        error: NoValue,
+    },
     /// The caller stopped it.
     #[error("stopped: no sample was taken in")]
     Stopped,
@@ -92,8 +107,8 @@ pub enum ReduceError {
 /// (TSQR), so that memory is O(P^2) and the result backward stable.
 ///
 /// The result depends on the samples and their order alone, bit by bit, not on how they
-/// are cut into calls nor on the number of threads (it does depend, in rounding, on the
-/// processor's lanes).
+/// are cut into calls, nor on the number of threads, nor on how many lanes the processor
+/// has (as long as it fuses products and sums).
 #[derive(Debug, Clone)]
 pub struct Reduction {
     pub(crate) regressor: Regressor,
@@ -101,9 +116,9 @@ pub struct Reduction {
     pub(crate) choice: Vec<usize>,
     pub(crate) friction: Friction,
     pub(crate) threads: usize,
-    /// Lane factors of 2^k blocks at place k (empty where there are none).
+    /// The leaves' factors of 2^k blocks at place k (empty where there are none).
     pub(crate) levels: Vec<Vec<f64>>,
-    /// Lane factors of the unfinished block, and how many tiles it has.
+    /// The leaves' factors of the unfinished block, and how many tiles it has.
     pub(crate) block: Vec<f64>,
     pub(crate) tiles: usize,
     /// Samples of the unfinished tile: q, qd, qdd, tau and the roots of weights.
@@ -121,15 +136,12 @@ impl Reduction {
     /// friction.
     ///
     /// # Errors
-    /// [`ReduceError`] for a robot with constraints and for columns that are not there.
+    /// [`ReduceError`] for columns that are not there.
     pub fn new(
         regressor: Regressor,
         columns: &[usize],
         friction: Friction,
     ) -> Result<Self, ReduceError> {
-        if regressor.unconstrained().is_none() {
-            return Err(ReduceError::Constrained);
-        }
         let count = regressor.parameters().len();
         let mut seen = vec![false; count];
         for &column in columns {
@@ -160,10 +172,22 @@ impl Reduction {
         self
     }
 
-    /// Number of joints n.
+    /// Samples that are worth one update: a block for each thread, or for one thread what stays
+    /// in the cache.
+    #[must_use]
+    pub fn wave(&self) -> usize {
+        /// Some MB with all arrays.
+        const CACHED: usize = 1 << 13;
+        match self.threads {
+            1 => CACHED,
+            threads => threads * self.plan.block() * self.plan.samples(),
+        }
+    }
+
+    /// Number of rows of a sample: the independent joints, and six for a base that floats.
     #[must_use]
     pub fn dof(&self) -> usize {
-        self.regressor.dof()
+        self.plan.n()
     }
 
     /// The columns of the robot, then those of friction.
@@ -183,6 +207,10 @@ impl Reduction {
     /// # Errors
     /// [`ReduceError`] names what is not a finite number or has the wrong length.
     pub fn update(&mut self, samples: &Samples<'_>) -> Result<(), ReduceError> {
+        if self.regressor.expansion().is_some() {
+            // A state at which loops cannot be closed shows only on the way.
+            return self.update_until(samples, &AtomicBool::new(false));
+        }
         self.take_in(samples, &AtomicBool::new(false))
     }
 
@@ -197,40 +225,64 @@ impl Reduction {
         stop: &AtomicBool,
     ) -> Result<(), ReduceError> {
         let before = self.clone();
-        self.take_in(samples, stop)?;
-        if stop.load(Ordering::Relaxed) {
-            *self = before;
-            return Err(ReduceError::Stopped);
+        let mut done = self.take_in(samples, stop);
+        if done.is_ok() && stop.load(Ordering::Relaxed) {
+            done = Err(ReduceError::Stopped);
         }
-        Ok(())
+        if done.is_err() {
+            *self = before;
+        }
+        done
     }
 
     fn take_in(&mut self, samples: &Samples<'_>, stop: &AtomicBool) -> Result<(), ReduceError> {
-        let n = self.dof();
+        let (n, widths) = (self.dof(), self.plan.widths);
         let count = self.check(samples)?;
         let weights = roots(&samples.weights, count);
         let weighted = !weights.is_empty() || !self.rest[4].is_empty();
+        let control = Control::new(stop);
         let all = Measured {
             states: samples.states,
             tau: samples.tau,
             weights: &weights,
+            start: self.samples(),
         };
         let per_tile = self.plan.samples();
         let mut done = 0;
         let held = self.rest[3].len() / n;
         if held > 0 || count < per_tile {
             done = count.min(per_tile - held);
-            self.hold(&all.part(0, done, n), weighted);
+            self.hold(&all.part(0, done, widths), weighted);
         }
         if self.rest[3].len() == per_tile * n {
             let rest = std::mem::take(&mut self.rest);
-            self.absorb(&measured(&rest), stop);
+            self.absorb(&measured(&rest, all.start - held as u64), &control);
         }
         let whole = (count - done) / per_tile * per_tile;
-        self.absorb(&all.part(done, done + whole, n), stop);
-        self.hold(&all.part(done + whole, count, n), !weights.is_empty());
+        self.absorb(&all.part(done, done + whole, widths), &control);
+        self.hold(&all.part(done + whole, count, widths), !weights.is_empty());
         self.samples += count as u64;
-        Ok(())
+        self.try_rest(&control);
+        let fault = control.fault.into_inner();
+        match fault.unwrap_or_else(PoisonError::into_inner) {
+            Some((sample, error)) => Err(ReduceError::NoValue { sample, error }),
+            None => Ok(()),
+        }
+    }
+
+    /// Finds out whether the constraints have a value at the samples held.
+    fn try_rest(&self, control: &Control<'_>) {
+        let held = self.rest[3].len() / self.dof();
+        let Some(expansion) = self.regressor.expansion().filter(|_| held > 0) else {
+            return;
+        };
+        let start = self.samples() - held as u64;
+        let states = measured(&self.rest, start).states;
+        let tree = self.regressor.tree();
+        let tried = Expanded::default().fill(tree, expansion, states, 0..held, false);
+        if let Err((sample, error)) = tried {
+            control.report(start + sample as u64, error);
+        }
     }
 
     /// Keeps samples for the next tile.
@@ -239,6 +291,7 @@ impl Reduction {
             states,
             tau,
             weights,
+            ..
         } = samples;
         if weighted {
             // Samples held without weights count once.
@@ -254,35 +307,36 @@ impl Reduction {
     }
 
     /// Whole tiles: the unfinished block first, then blocks side by side.
-    fn absorb(&mut self, samples: &Measured<'_>, stop: &AtomicBool) {
+    fn absorb(&mut self, samples: &Measured<'_>, control: &Control<'_>) {
         let (n, per_tile, block) = (self.dof(), self.plan.samples(), self.plan.block());
         let tiles = samples.tau.len() / n / per_tile;
-        let part = |from: usize, to: usize| samples.part(from * per_tile, to * per_tile, n);
+        let widths = self.plan.widths;
+        let part = |from: usize, to: usize| samples.part(from * per_tile, to * per_tile, widths);
         let mut done = 0;
         if self.tiles > 0 || tiles < block {
             done = tiles.min(block - self.tiles);
-            self.run(&part(0, done), stop);
+            self.run(&part(0, done), control);
         }
         while done + block <= tiles {
             let wave = ((tiles - done) / block).min(WAITING * self.threads);
             let piece = |k: usize| part(done + k * block, done + (k + 1) * block);
-            for r in self.blocks(wave, piece, stop) {
+            for r in self.blocks(wave, piece, control) {
                 self.push(r);
             }
             done += wave * block;
         }
-        self.run(&part(done, tiles), stop);
+        self.run(&part(done, tiles), control);
     }
 
     /// Tiles of the unfinished block.
-    fn run(&mut self, samples: &Measured<'_>, stop: &AtomicBool) {
+    fn run(&mut self, samples: &Measured<'_>, control: &Control<'_>) {
         let (n, per_tile) = (self.dof(), self.plan.samples());
         let tiles = samples.tau.len() / n / per_tile;
         if tiles == 0 {
             return;
         }
         let mut block = std::mem::take(&mut self.block);
-        self.reduce(samples, &mut block, stop);
+        self.reduce(samples, &mut block, control);
         self.block = block;
         self.tiles += tiles;
         if self.tiles == self.plan.block() {
@@ -292,16 +346,13 @@ impl Reduction {
         }
     }
 
-    fn reduce(&self, samples: &Measured<'_>, r: &mut [f64], stop: &AtomicBool) {
-        let Some(tree) = self.regressor.unconstrained() else {
-            return;
-        };
+    fn reduce(&self, samples: &Measured<'_>, r: &mut [f64], control: &Control<'_>) {
         let task = Absorb {
             plan: &self.plan,
-            tree,
+            regressor: &self.regressor,
             samples: *samples,
             r,
-            stop,
+            control,
         };
         dispatch(self.plan.width, task);
     }
@@ -311,7 +362,7 @@ impl Reduction {
         &self,
         count: usize,
         samples: impl Fn(usize) -> Measured<'a> + Sync,
-        stop: &AtomicBool,
+        control: &Control<'_>,
     ) -> Vec<Vec<f64>> {
         let done: Vec<Mutex<Vec<f64>>> = (0..count).map(|_| Mutex::default()).collect();
         let next = AtomicUsize::new(0);
@@ -320,7 +371,7 @@ impl Reduction {
                 let k = next.fetch_add(1, Ordering::Relaxed);
                 let Some(slot) = done.get(k) else { return };
                 let mut r = vec![0.0; self.plan.factor()];
-                self.reduce(&samples(k), &mut r, stop);
+                self.reduce(&samples(k), &mut r, control);
                 *slot.lock().unwrap_or_else(PoisonError::into_inner) = r;
             }
         };
@@ -379,15 +430,18 @@ impl Reduction {
         }
         let mut r = self.block.clone();
         if !self.rest[3].is_empty() {
-            // The tile is filled up with rows that count nothing.
-            let (n, per_tile) = (self.dof(), self.plan.samples());
+            // The tile is filled up with the last sample, which then counts nothing.
+            let n = self.dof();
+            let held = self.rest[3].len() / n;
             let mut rest = self.rest.clone();
-            let held = rest[3].len();
-            rest[4].resize(held, 1.0);
-            for array in &mut rest {
-                array.resize(per_tile * n, 0.0);
+            rest[4].resize(held * n, 1.0);
+            for array in &mut rest[..4] {
+                let last = array[array.len() - array.len() / held..].to_vec();
+                array.extend(last.repeat(self.plan.samples() - held));
             }
-            self.reduce(&measured(&rest), &mut r, &AtomicBool::new(false));
+            rest[4].resize(rest[3].len(), 0.0);
+            let go_on = AtomicBool::new(false);
+            self.reduce(&measured(&rest, 0), &mut r, &Control::new(&go_on));
         }
         for level in self.levels.iter().filter(|level| !level.is_empty()) {
             r = self.merged_lanes(level.clone(), &r);
@@ -423,8 +477,8 @@ impl Reduction {
 
     /// The number of samples, all arrays being of its length and finite.
     fn check(&self, samples: &Samples<'_>) -> Result<usize, ReduceError> {
-        let joints = self.dof();
-        let count = samples.states.q.len() / joints;
+        let [positions, joints] = self.plan.widths;
+        let count = samples.states.q.len() / positions;
         let weights = match samples.weights {
             Weights::Equal => None,
             Weights::Joints(w) => Some((w, joints)),
@@ -432,14 +486,14 @@ impl Reduction {
         };
         let states = samples.states;
         let arrays = [
-            ("q", states.q),
-            ("qd", states.qd),
-            ("qdd", states.qdd),
-            ("tau", samples.tau),
+            ("q", states.q, positions),
+            ("qd", states.qd, joints),
+            ("qdd", states.qdd, joints),
+            ("tau", samples.tau, joints),
         ];
-        let arrays = arrays.map(|(array, values)| (array, values, count * joints));
-        let weights = weights.map(|(values, expected)| ("weights", values, expected));
-        for (array, values, expected) in arrays.into_iter().chain(weights) {
+        let arrays = arrays.map(|(array, values, width)| (array, values, count * width, width));
+        let weights = weights.map(|(values, expected)| ("weights", values, expected, joints));
+        for (array, values, expected, width) in arrays.into_iter().chain(weights) {
             let found = values.len();
             if found != expected {
                 return Err(ReduceError::Length {
@@ -447,19 +501,19 @@ impl Reduction {
                     expected,
                     found,
                     samples: count,
-                    joints,
+                    joints: width,
                 });
             }
             if let Some(at) = not_finite(values) {
                 return Err(ReduceError::NotFinite {
                     array,
-                    sample: self.samples() + (at / joints) as u64,
-                    joint: at % joints,
+                    sample: self.samples() + (at / width) as u64,
+                    joint: at % width,
                     value: values[at],
                 });
             }
         }
-        if let Some((_, values, _)) = weights
+        if let Some((_, values, ..)) = weights
             && let Some(at) = values.iter().position(|w| *w < 0.0)
         {
             return Err(ReduceError::Weight {
@@ -467,7 +521,13 @@ impl Reduction {
                 value: values[at],
             });
         }
-        Ok(count)
+        match self.regressor.check_attitudes(samples.states) {
+            Err(RegressorError::Quaternion { sample, length }) => Err(ReduceError::Quaternion {
+                sample: self.samples() + sample as u64,
+                length,
+            }),
+            _ => Ok(count),
+        }
     }
 }
 
@@ -483,12 +543,13 @@ fn roots(weights: &Weights<'_>, count: usize) -> Vec<f64> {
     }
 }
 
-fn measured(arrays: &[Vec<f64>; 5]) -> Measured<'_> {
+fn measured(arrays: &[Vec<f64>; 5], start: u64) -> Measured<'_> {
     let [q, qd, qdd, tau, weights] = arrays;
     Measured {
         states: States { q, qd, qdd },
         tau,
         weights,
+        start,
     }
 }
 

@@ -1,12 +1,13 @@
 //! From samples to annihilated tiles.
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
-use roberval_regressor::{DynamicsWorkspace, Model, Sink, States, Tile, Tree, dynamics};
+use roberval_regressor::{Expanded, NoValue, Regressor, Slots, States, TileRows, TreeStates};
 use roberval_scalar::{Lanes, Task};
 
 use crate::annihilate::annihilate;
-use crate::plan::Plan;
+use crate::plan::{LEAVES, Plan};
 
 /// Samples with what was measured and how much it counts.
 #[derive(Debug, Clone, Copy)]
@@ -16,39 +17,74 @@ pub(crate) struct Measured<'a> {
     pub tau: &'a [f64],
     /// The factor of each row, N x n; one for all rows if empty.
     pub weights: &'a [f64],
+    /// How many samples the accumulator had before.
+    pub start: u64,
 }
 
 impl<'a> Measured<'a> {
-    /// The samples `from..to`.
-    pub(crate) fn part(&self, from: usize, to: usize, n: usize) -> Self {
-        let cut = |x: &'a [f64]| {
+    /// The samples `from..to` of a robot with so many coordinates of q and rows.
+    pub(crate) fn part(&self, from: usize, to: usize, [positions, n]: [usize; 2]) -> Self {
+        let cut = |x: &'a [f64], width: usize| {
             if x.is_empty() {
                 x
             } else {
-                &x[from * n..to * n]
+                &x[from * width..to * width]
             }
         };
         Self {
             states: States {
-                q: cut(self.states.q),
-                qd: cut(self.states.qd),
-                qdd: cut(self.states.qdd),
+                q: cut(self.states.q, positions),
+                qd: cut(self.states.qd, n),
+                qdd: cut(self.states.qdd, n),
             },
-            tau: cut(self.tau),
-            weights: cut(self.weights),
+            tau: cut(self.tau, n),
+            weights: cut(self.weights, n),
+            start: self.start + from as u64,
         }
     }
 }
 
-/// Annihilates whole tiles of samples against the lane factors `r`, one after the other.
+/// What ends the work before its time.
+#[derive(Debug)]
+pub(crate) struct Control<'a> {
+    /// The caller wants it.
+    pub stop: &'a AtomicBool,
+    /// The constraints have no value at this sample, the first one found.
+    pub fault: Mutex<Option<(u64, NoValue)>>,
+    faulty: AtomicBool,
+}
+
+impl<'a> Control<'a> {
+    pub(crate) fn new(stop: &'a AtomicBool) -> Self {
+        Self {
+            stop,
+            fault: Mutex::default(),
+            faulty: AtomicBool::new(false),
+        }
+    }
+
+    fn ends(&self) -> bool {
+        self.stop.load(Ordering::Relaxed) || self.faulty.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn report(&self, sample: u64, error: NoValue) {
+        let mut fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner);
+        if fault.as_ref().is_none_or(|(earlier, _)| sample < *earlier) {
+            *fault = Some((sample, error));
+        }
+        self.faulty.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Annihilates whole tiles of samples against the factors `r` of all leaves, one tile after
+/// the other.
 pub(crate) struct Absorb<'a> {
     pub plan: &'a Plan,
-    pub tree: &'a Tree<f64>,
+    pub regressor: &'a Regressor,
     pub samples: Measured<'a>,
-    /// Lane numbers of all segments' factors.
+    /// The leaves' numbers of all segments' factors.
     pub r: &'a mut [f64],
-    /// Give up when this is set.
-    pub stop: &'a AtomicBool,
+    pub control: &'a Control<'a>,
 }
 
 impl Task for Absorb<'_> {
@@ -56,56 +92,72 @@ impl Task for Absorb<'_> {
 
     #[inline(always)]
     fn run<V: Lanes>(self) {
-        let (plan, n) = (self.plan, self.tree.dof);
-        let mut r = to_lanes::<V>(self.r);
+        let (plan, regressor) = (self.plan, self.regressor);
         let mut tile = vec![V::lift(0.0); plan.tile + 1 + plan.groups];
-        let mut work = (Tile::<V>::new(self.tree), DynamicsWorkspace::new(self.tree));
-        let size = plan.groups * V::COUNT;
-        for first in (0..self.samples.tau.len() / n).step_by(size) {
-            if self.stop.load(Ordering::Relaxed) {
-                return;
+        let mut rows = TileRows::<V>::new(regressor);
+        let mut expanded = Expanded::default();
+        let size = plan.samples();
+        // Narrow lanes take the leaves in turn: the same numbers on every processor.
+        for leaf in (0..LEAVES).step_by(V::COUNT) {
+            let mut r = to_lanes::<V>(self.r, leaf);
+            for first in (0..self.samples.tau.len() / plan.n()).step_by(size) {
+                if self.control.ends() {
+                    return;
+                }
+                let samples = self.samples.part(first, first + size, plan.widths);
+                let states = match regressor.expansion() {
+                    None => TreeStates::of(samples.states),
+                    Some(expansion) => {
+                        let done = expanded.fill(
+                            regressor.tree(),
+                            expansion,
+                            samples.states,
+                            0..size,
+                            false,
+                        );
+                        if let Err((sample, error)) = done {
+                            return self.control.report(samples.start + sample as u64, error);
+                        }
+                        expanded.states()
+                    }
+                };
+                if plan.holes {
+                    tile.fill(V::lift(0.0));
+                }
+                for group in 0..plan.groups {
+                    let at = group * LEAVES + leaf;
+                    let mut to = TileRowsOf {
+                        plan,
+                        group,
+                        tile: &mut tile,
+                    };
+                    rows.run(regressor, &states, at, &mut to);
+                    fill(plan, &samples, at, group, &mut tile);
+                }
+                annihilate_all(plan, &mut r, &mut tile);
             }
-            for group in 0..plan.groups {
-                let samples =
-                    self.samples
-                        .part(first + group * V::COUNT, first + (group + 1) * V::COUNT, n);
-                fill(plan, self.tree, &samples, group, &mut work, &mut tile);
-            }
-            let (mut r, mut tile) = (&mut r[..], &mut tile[..]);
-            for segment in &plan.layout.segments {
-                let (own_r, other_r) = std::mem::take(&mut r).split_at_mut(segment.factor());
-                let (own, others) = std::mem::take(&mut tile).split_at_mut(segment.tile());
-                annihilate(segment, own_r, own);
-                (r, tile) = (other_r, others);
-            }
+            from_lanes(&r, self.r, leaf);
         }
-        from_lanes(&r, self.r);
     }
 }
 
-/// One group of samples into the tile.
+/// A tile's segments against their factors.
 #[inline(always)]
-fn fill<V: Lanes>(
-    plan: &Plan,
-    tree: &Tree<f64>,
-    samples: &Measured<'_>,
-    group: usize,
-    work: &mut (Tile<V>, DynamicsWorkspace<V>),
-    out: &mut [V],
-) {
-    let (tile, workspace) = work;
-    tile.load(tree, Model::D, &samples.states, 0);
-    let mut sink = TileRows {
-        plan,
-        pair: 0,
-        rotor: 0,
-        group,
-        tile: &mut *out,
-    };
-    dynamics(tree, &tile.motion, workspace, &mut sink);
-    let (n, one) = (tree.dof, V::lift(1.0));
+fn annihilate_all<V: Lanes>(plan: &Plan, mut r: &mut [V], mut tile: &mut [V]) {
+    for segment in &plan.layout.segments {
+        let (own_r, other_r) = std::mem::take(&mut r).split_at_mut(segment.factor());
+        let (own, others) = std::mem::take(&mut tile).split_at_mut(segment.tile());
+        annihilate(segment, own_r, own);
+        (r, tile) = (other_r, others);
+    }
+}
+
+/// Friction, torques and weights of one group of samples, those from `at` on.
+#[inline(always)]
+fn fill<V: Lanes>(plan: &Plan, samples: &Measured<'_>, at: usize, group: usize, out: &mut [V]) {
+    let (n, one) = (plan.n(), V::lift(1.0));
     for j in 0..n {
-        let column = Gather { n, j };
+        let column = Gather { n, j, at };
         let velocity = column.take::<V>(samples.states.qd);
         let sign = one.with_sign_of(velocity).where_nonzero(velocity);
         let [viscous, coulomb, offset] = plan.friction[j];
@@ -118,7 +170,7 @@ fn fill<V: Lanes>(
         return;
     }
     for j in 0..n {
-        let weight = Gather { n, j }.take::<V>(samples.weights);
+        let weight = Gather { n, j, at }.take::<V>(samples.weights);
         for &target in &plan.rows[j] {
             let entry = &mut out[target as usize + group];
             *entry = *entry * weight;
@@ -126,10 +178,11 @@ fn fill<V: Lanes>(
     }
 }
 
-/// Column j of a table of n columns, a row a lane.
+/// Column j of a table of n columns, a row a lane, from row `at` on.
 struct Gather {
     n: usize,
     j: usize,
+    at: usize,
 }
 
 impl Gather {
@@ -138,7 +191,7 @@ impl Gather {
         let mut numbers = [0.0; roberval_scalar::MAX_LANES];
         for (x, row) in numbers
             .iter_mut()
-            .zip(from.chunks_exact(self.n))
+            .zip(from[self.at * self.n..].chunks_exact(self.n))
             .take(V::COUNT)
         {
             *x = row[self.j];
@@ -147,34 +200,24 @@ impl Gather {
     }
 }
 
-/// Writes the recursion's columns to their places in the tile.
-struct TileRows<'a, V> {
+/// Writes packed numbers to their places in the tile.
+struct TileRowsOf<'a, V> {
     plan: &'a Plan,
-    pair: usize,
-    rotor: usize,
     group: usize,
     tile: &'a mut [V],
 }
 
-impl<V: Lanes> Sink<V> for TileRows<'_, V> {
+impl<V: Lanes> Slots<V> for TileRowsOf<'_, V> {
     #[inline(always)]
-    fn link(&mut self, _: usize, _: usize, columns: [V; 10]) {
-        let targets = &self.plan.links[self.pair];
-        for (target, column) in targets.iter().zip(columns) {
-            self.tile[*target as usize + self.group] = column;
+    fn put(&mut self, first: usize, numbers: &[V]) {
+        let targets = &self.plan.slots[first..first + numbers.len()];
+        for (target, x) in targets.iter().zip(numbers) {
+            self.tile[*target as usize + self.group] = *x;
         }
-        self.pair += 1;
-    }
-
-    #[inline(always)]
-    fn rotor(&mut self, _: usize, _: usize, value: V) {
-        let target = self.plan.rotors[self.rotor];
-        self.tile[target as usize + self.group] = value;
-        self.rotor += 1;
     }
 }
 
-/// Merges the lane factors `later` into `r`, segment by segment and lane by lane.
+/// Merges the factors `later` into `r`, segment by segment and leaf by leaf.
 pub(crate) struct Merge<'a> {
     pub plan: &'a Plan,
     pub r: &'a mut [f64],
@@ -186,20 +229,23 @@ impl Task for Merge<'_> {
 
     #[inline(always)]
     fn run<V: Lanes>(self) {
-        let mut all = to_lanes::<V>(self.r);
-        let later = to_lanes::<V>(self.later);
-        let (mut r, mut later) = (&mut all[..], &later[..]);
+        let segments = self.plan.layout.segments.iter().zip(&self.plan.triangles);
         let mut tile = Vec::new();
-        for (segment, triangle) in self.plan.layout.segments.iter().zip(&self.plan.triangles) {
-            let (own, others) = std::mem::take(&mut r).split_at_mut(segment.factor());
-            let (rows, rest) = later.split_at(segment.factor());
-            tile.clear();
-            tile.resize(triangle.tile(), V::lift(0.0));
-            spread(triangle, rows, &mut tile);
-            annihilate(triangle, own, &mut tile);
-            (r, later) = (others, rest);
+        for leaf in (0..LEAVES).step_by(V::COUNT) {
+            let mut all = to_lanes::<V>(self.r, leaf);
+            let later = to_lanes::<V>(self.later, leaf);
+            let (mut r, mut later) = (&mut all[..], &later[..]);
+            for (segment, triangle) in segments.clone() {
+                let (own, others) = std::mem::take(&mut r).split_at_mut(segment.factor());
+                let (rows, rest) = later.split_at(segment.factor());
+                tile.clear();
+                tile.resize(triangle.tile(), V::lift(0.0));
+                spread(triangle, rows, &mut tile);
+                annihilate(triangle, own, &mut tile);
+                (r, later) = (others, rest);
+            }
+            from_lanes(&all, self.r, leaf);
         }
-        from_lanes(&all, self.r);
     }
 }
 
@@ -213,14 +259,19 @@ pub(crate) fn spread<V: Lanes>(triangle: &crate::layout::Segment, rows: &[V], ti
     }
 }
 
+/// As many leaves as there are lanes, from this one on.
 #[inline(always)]
-pub(crate) fn to_lanes<V: Lanes>(numbers: &[f64]) -> Vec<V> {
-    numbers.chunks_exact(V::COUNT).map(V::load).collect()
+pub(crate) fn to_lanes<V: Lanes>(numbers: &[f64], leaf: usize) -> Vec<V> {
+    let mut lanes = Vec::with_capacity(numbers.len() / LEAVES);
+    for leaves in numbers.chunks_exact(LEAVES) {
+        lanes.push(V::load(&leaves[leaf..]));
+    }
+    lanes
 }
 
 #[inline(always)]
-pub(crate) fn from_lanes<V: Lanes>(lanes: &[V], numbers: &mut [f64]) {
-    for (x, to) in lanes.iter().zip(numbers.chunks_exact_mut(V::COUNT)) {
-        x.store(to);
+pub(crate) fn from_lanes<V: Lanes>(lanes: &[V], numbers: &mut [f64], leaf: usize) {
+    for (x, leaves) in lanes.iter().zip(numbers.chunks_exact_mut(LEAVES)) {
+        x.store(&mut leaves[leaf..]);
     }
 }

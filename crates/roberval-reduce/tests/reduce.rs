@@ -6,7 +6,7 @@ use roberval_reduce::{
 };
 use roberval_regressor::{Model, Regressor, States};
 use roberval_scalar::{SplitMix64, Width};
-use roberval_testkit::Family;
+use roberval_testkit::{Family, coupled};
 
 /// R against one-shot Householder, relative to the largest entry (issue 5).
 const ACCURACY: f64 = 1e-14;
@@ -29,6 +29,8 @@ const NONE: Friction = Friction {
 };
 
 struct Data {
+    /// Coordinates of q, and rows.
+    nq: usize,
     n: usize,
     q: Vec<f64>,
     qd: Vec<f64>,
@@ -46,6 +48,7 @@ impl Data {
                 .collect()
         };
         Self {
+            nq: n,
             n,
             q: draw(-3.0, 3.0),
             qd: draw(-2.0, 2.0),
@@ -55,11 +58,28 @@ impl Data {
         }
     }
 
+    /// Data of a robot that may float.
+    fn of(regressor: &Regressor, samples: usize, seed: u64) -> Self {
+        let (nq, n) = (regressor.positions(), regressor.independent());
+        let mut data = Self::random(n, samples, seed);
+        if nq > n {
+            let mut q = Vec::with_capacity(samples * nq);
+            for (sample, joints) in data.q.chunks(n).enumerate() {
+                let half = sample as f64;
+                q.extend(&joints[..3]);
+                q.extend([0.6 * half.sin(), 0.8 * half.sin(), 0.0, half.cos()]);
+                q.extend(&joints[6..]);
+            }
+            (data.nq, data.q) = (nq, q);
+        }
+        data
+    }
+
     fn part(&self, from: usize, to: usize, weighted: bool) -> Samples<'_> {
         let cut = from * self.n..to * self.n;
         Samples {
             states: States {
-                q: &self.q[cut.clone()],
+                q: &self.q[from * self.nq..to * self.nq],
                 qd: &self.qd[cut.clone()],
                 qdd: &self.qdd[cut.clone()],
             },
@@ -73,7 +93,7 @@ impl Data {
     }
 
     fn len(&self) -> usize {
-        self.q.len() / self.n
+        self.tau.len() / self.n
     }
 }
 
@@ -132,7 +152,9 @@ fn dense(
                 (friction.offset, 1.0),
             ];
             for (_, value) in kinds.into_iter().filter(|kind| kind.0) {
-                line.extend((0..n).map(|i| if i == j { value } else { 0.0 }));
+                // Nothing rubs at a base that floats.
+                let first = 6 * (data.nq - n);
+                line.extend((first..n).map(|i| if i == j { value } else { 0.0 }));
             }
             line.push(data.tau[row]);
             let root = if weighted {
@@ -220,6 +242,62 @@ fn the_factor_is_that_of_one_householder_factorisation() {
             let error = worst(&reduction.factor(), &expected);
             assert!(error <= ACCURACY, "robot {seed}, {width:?}: {error:e}");
         }
+    }
+}
+
+#[test]
+fn robots_that_float_and_joints_that_follow_reduce_as_others_do() {
+    for seed in 0..13 {
+        let family = Family {
+            links: (2, 5),
+            format: [SourceFormat::Mdh, SourceFormat::Urdf][seed as usize % 2],
+            ..Family::default()
+        };
+        let robot = family.robot(seed);
+        let robot = match seed % 3 {
+            0 => robot.with_floating_base(),
+            1 => coupled(robot, seed),
+            _ => coupled(robot.with_floating_base(), seed),
+        };
+        let robot = match seed {
+            12 => roberval_formats::load("four_bar").expect("in the catalogue"),
+            _ => robot,
+        };
+        let robot = Mechanism::new(&robot).expect("valid");
+        let regressor = Regressor::new(&robot);
+        let data = Data::of(&regressor, 150, seed);
+        let columns = independent(&regressor, &data);
+        for friction in [NONE, SPEEDS] {
+            let expected = one_shot(dense(&regressor, &columns, friction, &data, true));
+            for width in widths() {
+                let regressor = regressor.clone().with_width(width);
+                let mut reduction = Reduction::new(regressor, &columns, friction).expect("valid");
+                for from in (0..150).step_by(50) {
+                    let part = data.part(from, from + 50, true);
+                    reduction.update(&part).expect("finite");
+                }
+                let error = worst(&reduction.factor(), &expected);
+                assert!(error <= ACCURACY, "robot {seed}, {width:?}: {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_processor_gets_the_same_bits() {
+    let robot = robot(3, (4, 6));
+    let regressor = Regressor::new(&robot);
+    let columns = choice(&regressor, 1);
+    let data = Data::random(robot.dof(), 3000, 9);
+    let factor = |width: Width| {
+        let regressor = regressor.clone().with_width(width);
+        let mut reduction = Reduction::new(regressor, &columns, ALL).expect("valid");
+        reduction.update(&data.part(0, 3000, true)).expect("finite");
+        reduction.to_bytes()
+    };
+    let mut fused = widths().filter(|width| *width > Width::Plain).map(factor);
+    if let Some(first) = fused.next() {
+        assert!(fused.all(|bytes| bytes == first));
     }
 }
 

@@ -1,6 +1,6 @@
-use roberval_scalar::{Magnitude, Scalar};
+use roberval_scalar::{Lift, Magnitude, Scalar};
 
-use crate::vector::{Mat3, Vec3, add, apply_transposed, cross, dot};
+use crate::vector::{Mat3, Vec3, add, apply_transposed, cross, dot, lift3};
 use crate::{Constants, Tree};
 
 /// Where the base of a floating robot is and how it moves, all but the place in its own
@@ -32,17 +32,30 @@ impl<T: Scalar> BaseState<T> {
     }
 
     /// Gravity in the base's frame.
-    pub(crate) fn gravity(&self, tree: &Tree<T>) -> Vec3<T> {
-        apply_transposed(&self.attitude, tree.base_gravity())
+    #[inline(always)]
+    pub(crate) fn gravity<C: Scalar>(&self, tree: &Tree<C>) -> Vec3<T>
+    where
+        T: Lift<C>,
+    {
+        apply_transposed(&self.attitude, lift3(&tree.base_gravity()))
     }
 
     /// Gravity times the place of the origin.
-    pub(crate) fn height(&self, tree: &Tree<T>) -> T {
-        dot(tree.gravity, tree.bodies[0].origin) + dot(tree.base_gravity(), self.position)
+    #[inline(always)]
+    pub(crate) fn height<C: Scalar>(&self, tree: &Tree<C>) -> T
+    where
+        T: Lift<C>,
+    {
+        let of_joint = T::lift(dot(tree.gravity, tree.bodies[0].origin));
+        of_joint + dot(lift3(&tree.base_gravity()), self.position)
     }
 
     /// Acceleration of the origin, gravity entering as that of the world, -g.
-    pub(crate) fn acceleration(&self, tree: &Tree<T>) -> Vec3<T> {
+    #[inline(always)]
+    pub(crate) fn acceleration<C: Scalar>(&self, tree: &Tree<C>) -> Vec3<T>
+    where
+        T: Lift<C>,
+    {
         let a = add(self.dv, cross(self.w, self.v));
         let g = self.gravity(tree);
         [a[0] - g[0], a[1] - g[1], a[2] - g[2]]
@@ -51,6 +64,7 @@ impl<T: Scalar> BaseState<T> {
 
 impl<T: Scalar> Tree<T> {
     /// Gravity in the frame of the first body's joint, the one that floats.
+    #[inline(always)]
     fn base_gravity(&self) -> Vec3<T> {
         apply_transposed(&self.bodies[0].rotation, self.gravity)
     }
@@ -58,6 +72,7 @@ impl<T: Scalar> Tree<T> {
 
 /// The rotation of a quaternion (x, y, z, w) of any length, given the inverse of its
 /// squared length: `1 + 2 (w [v]x + [v]x [v]x) / |q|^2`.
+#[inline(always)]
 pub(crate) fn attitude<T: Scalar>(
     [x, y, z, w]: [T; 4],
     inverse_square: T,
@@ -65,38 +80,63 @@ pub(crate) fn attitude<T: Scalar>(
 ) -> Mat3<T> {
     let one = constants.one;
     let twice = inverse_square + inverse_square;
-    let entry = |a: T, b: T, c: T, d: T| twice * (a * b + c * d);
-    let diagonal = |a: T, b: T| one - entry(a, a, b, b);
     [
-        [diagonal(y, z), entry(x, y, -w, z), entry(x, z, w, y)],
-        [entry(x, y, w, z), diagonal(x, z), entry(y, z, -w, x)],
-        [entry(x, z, -w, y), entry(y, z, w, x), diagonal(x, y)],
+        [
+            one - twice * pairs(y, y, z, z),
+            twice * pairs(x, y, -w, z),
+            twice * pairs(x, z, w, y),
+        ],
+        [
+            twice * pairs(x, y, w, z),
+            one - twice * pairs(x, x, z, z),
+            twice * pairs(y, z, -w, x),
+        ],
+        [
+            twice * pairs(x, z, -w, y),
+            twice * pairs(y, z, w, x),
+            one - twice * pairs(x, x, y, y),
+        ],
     ]
 }
 
+/// `a b + c d`, no closure: see [`roberval_scalar::vector`].
+#[inline(always)]
+fn pairs<T: Scalar>(a: T, b: T, c: T, d: T) -> T {
+    a * b + c * d
+}
+
+#[inline(always)]
 pub(crate) fn squared_length<T: Scalar>([x, y, z, w]: [T; 4]) -> T {
     x * x + y * y + z * z + w * w
 }
 
-impl<T: Scalar + From<f64>> BaseState<T> {
+impl<T: Scalar> BaseState<T> {
     /// The state in the coordinates of the user: q begins with x y z qx qy qz qw, qd with
-    /// the velocities `v w`, qdd with `dv dw`. The quaternion may have any length.
+    /// the velocities `v w`, qdd with `dv dw`. The quaternion may have any length, whose square's inverse is given.
+    #[inline(always)]
+    pub(crate) fn of([q, qd, qdd]: [&[T]; 3], constants: Constants<T>, inverse_square: T) -> Self {
+        Self {
+            attitude: attitude([q[3], q[4], q[5], q[6]], inverse_square, constants),
+            position: [q[0], q[1], q[2]],
+            v: [qd[0], qd[1], qd[2]],
+            w: [qd[3], qd[4], qd[5]],
+            dv: [qdd[0], qdd[1], qdd[2]],
+            dw: [qdd[3], qdd[4], qdd[5]],
+        }
+    }
+}
+
+impl<T: Scalar + From<f64>> BaseState<T> {
+    /// As [`BaseState::of`], from doubles.
     pub(crate) fn read(
         [q, qd, qdd]: [&[f64]; 3],
         constants: Constants<T>,
         inverse: impl Fn(T) -> T,
     ) -> Self {
-        let three = |x: &[f64], at: usize| [x[at], x[at + 1], x[at + 2]].map(T::from);
-        let quaternion = [q[3], q[4], q[5], q[6]].map(T::from);
-        let inverse_square = inverse(squared_length(quaternion));
-        Self {
-            attitude: attitude(quaternion, inverse_square, constants),
-            position: three(q, 0),
-            v: three(qd, 0),
-            w: three(qd, 3),
-            dv: three(qdd, 0),
-            dw: three(qdd, 3),
-        }
+        let q: [T; 7] = std::array::from_fn(|k| T::from(q[k]));
+        let [qd, qdd] = [qd, qdd].map(|x| -> [T; 6] { std::array::from_fn(|k| T::from(x[k])) });
+        let inverse_square = inverse(squared_length([q[3], q[4], q[5], q[6]]));
+        Self::of([&q, &qd, &qdd], constants, inverse_square)
     }
 }
 

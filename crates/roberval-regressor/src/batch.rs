@@ -1,12 +1,13 @@
-use roberval_mechanism::{JointKind, Mechanism, ParameterSpace};
-use roberval_scalar::{Magnitude, Scalar, Width, dispatch};
+use roberval_mechanism::{Mechanism, ParameterSpace};
+use roberval_scalar::{Magnitude, Width, dispatch};
 
-use crate::lanes::{BadTile, Fill, FillTorques, Form, Pool};
-use crate::packed::Export;
-use crate::sink::SelectedRows;
+use crate::lanes::{Fault, Fill, FillTorques, Form, Pool, Robot};
+use crate::packed::{Export, Projection};
+use crate::scalar_path::{Motion, Motions, Rows, places};
+use crate::states::check_length;
 use crate::{
-    BaseState, DenseRows, DynamicsWorkspace, EnergyWorkspace, Expansion, JointMotion, JointStates,
-    NoValue, PackedLayout, Projected, Sink, Torques, Transmission, Tree, dynamics, energy,
+    BaseState, DynamicsWorkspace, Expansion, JointMotion, NoValue, PackedLayout, Projected,
+    RegressorError, States, Torques, Tree, dynamics,
 };
 
 /// The three models, each linear in the parameters X.
@@ -45,53 +46,6 @@ impl Model {
     }
 }
 
-/// What is wrong with the arrays handed to a [`Regressor`].
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum RegressorError {
-    /// An array has the wrong number of entries.
-    #[error("{array} has {found} entries, expected {expected} ({shape})")]
-    Length {
-        /// Which array.
-        array: &'static str,
-        /// What its shape should be.
-        shape: String,
-        /// Entries expected.
-        expected: usize,
-        /// Entries found.
-        found: usize,
-    },
-    /// The attitude of a floating base is none.
-    #[error(
-        "q[{sample}, 3:7] has length {length}: the attitude of a floating base must be a quaternion (x, y, z, w) of length 1"
-    )]
-    Quaternion {
-        /// Row, from 0.
-        sample: usize,
-        /// Its length.
-        length: f64,
-    },
-    /// An entry is NaN or infinite.
-    #[error("{array}[{sample}, {joint}] is {value}: joint states must be finite numbers")]
-    NotFinite {
-        /// Which array.
-        array: &'static str,
-        /// Row, from 0.
-        sample: usize,
-        /// Column, from 0.
-        joint: usize,
-        /// What was found.
-        value: f64,
-    },
-    /// The constraints have no value at a state.
-    #[error("sample {sample}: {error}")]
-    NoValue {
-        /// Row, from 0.
-        sample: usize,
-        /// What has no value.
-        error: NoValue,
-    },
-}
-
 /// The regressor of a mechanism over float samples.
 ///
 /// Rows come as (N, m, C) for d (there G' d) and d0, (N, C) for h, in C order, so that a
@@ -107,11 +61,29 @@ pub struct Regressor {
     /// The nonzeros of d and of h, and all columns from them.
     layouts: [PackedLayout; 2],
     exports: [Export; 2],
+    /// How rows of d follow from those of all joints, where some depend on others.
+    projection: Option<Projection>,
     pool: Pool,
 }
 
+/// A choice of columns of a model, made ready.
+#[derive(Debug, Clone)]
+pub struct Columns {
+    model: Model,
+    columns: Vec<usize>,
+    export: Export,
+}
+
+impl Columns {
+    /// The columns, in the order asked for.
+    #[must_use]
+    pub fn columns(&self) -> &[usize] {
+        &self.columns
+    }
+}
+
 /// Results of more bytes than this are written past the cache: they would not stay in it.
-const STREAM_BYTES: usize = 16 << 20;
+pub const STREAM_BYTES: usize = 16 << 20;
 
 impl Regressor {
     /// The regressor of a mechanism.
@@ -119,14 +91,25 @@ impl Regressor {
     pub fn new(mechanism: &Mechanism) -> Self {
         let tree = Tree::of(mechanism);
         let space = mechanism.parameters();
-        let layouts = [Model::D, Model::H].map(|model| PackedLayout::new(&tree, &space, model));
+        let expansion = Expansion::in_floats(mechanism);
+        let mut layouts = [Model::D, Model::H].map(|m| PackedLayout::new(&tree, &space, m));
+        let mut independent = tree.dof;
+        let projection = expansion.as_ref().map(|expansion| {
+            independent = expansion.independent();
+            let g = expansion.states().transmission;
+            let (projection, projected) =
+                Projection::new(&layouts[0], &space, &g, (tree.dof, independent));
+            layouts[0] = projected;
+            projection
+        });
         let exports = [Model::D, Model::H].map(|model| {
             let layout = &layouts[family(model)];
-            Export::new(layout, model.rows(tree.dof), space.len(), Some)
+            Export::new(layout, model.rows(independent), space.len(), Some)
         });
         Self {
             tree,
-            expansion: Expansion::in_floats(mechanism),
+            expansion,
+            projection,
             space,
             width: Width::best(),
             layouts,
@@ -166,7 +149,21 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.count(self.dof(), self.dof())?;
+        self.fill_packed_part(model, states, out, past_cache(out))
+    }
+
+    /// As [`Regressor::fill_packed`] for a part of a larger batch, past the cache if told so.
+    ///
+    /// # Errors
+    /// As [`Regressor::fill_packed`].
+    pub fn fill_packed_part(
+        &self,
+        model: Model,
+        states: States<'_>,
+        out: &mut [f64],
+        past_cache: bool,
+    ) -> Result<(), RegressorError> {
+        let samples = self.check_for_lanes(states)?;
         let layout = self.packed_layout(model);
         let lanes = self.lanes();
         let expected = layout.len(samples, lanes);
@@ -175,14 +172,27 @@ impl Regressor {
             check_length("out", expected, out.len(), &shape)?;
         }
         let form = Form::Packed(layout.entries().len());
-        self.run(model, states, form, self.width, out)
+        self.run(model, states, form, self.width, out, past_cache)
     }
 
-    /// The robot's constants, if its rows are those of all joints: then the recursion over
-    /// lanes gives them.
+    /// The robot's constants.
     #[must_use]
-    pub fn unconstrained(&self) -> Option<&Tree<f64>> {
-        (self.expansion.is_none() && !self.tree.is_floating()).then_some(&self.tree)
+    pub fn tree(&self) -> &Tree<f64> {
+        &self.tree
+    }
+
+    /// How the other joints follow, where they do.
+    #[must_use]
+    pub fn expansion(&self) -> Option<&Expansion<f64>> {
+        self.expansion.as_ref()
+    }
+
+    pub(crate) fn robot(&self) -> Robot<'_> {
+        Robot {
+            tree: &self.tree,
+            expansion: self.expansion.as_ref(),
+            projection: self.projection.as_ref(),
+        }
     }
 
     /// The lanes of batches.
@@ -191,9 +201,9 @@ impl Regressor {
         self.width
     }
 
-    /// Whether batches go by lanes: where joints depend on others G comes with every sample.
+    /// Whether batches go by lanes.
     fn in_lanes(&self) -> bool {
-        self.width > Width::Plain && self.unconstrained().is_some()
+        self.width > Width::Plain
     }
 
     /// The lanes for so many samples: one lane for one.
@@ -204,6 +214,28 @@ impl Regressor {
         }
     }
 
+    /// Whether a floating base has attitudes.
+    ///
+    /// # Errors
+    /// [`RegressorError::Quaternion`] names the first that is none.
+    pub fn check_attitudes(&self, states: States<'_>) -> Result<(), RegressorError> {
+        if !self.tree.is_floating() {
+            return Ok(());
+        }
+        states.check_quaternions(self.positions())
+    }
+
+    /// The number of samples, once it is sure that they fit. The lanes themselves look for
+    /// what is not finite, but not before joints have been expanded.
+    fn check_for_lanes(&self, states: States<'_>) -> Result<usize, RegressorError> {
+        if self.expansion.is_some() {
+            return self.check(states);
+        }
+        let samples = states.count(self.positions(), self.independent())?;
+        self.check_attitudes(states)?;
+        Ok(samples)
+    }
+
     /// Fills `out` by lanes.
     fn run(
         &self,
@@ -212,17 +244,33 @@ impl Regressor {
         form: Form<'_>,
         width: Width,
         out: &mut [f64],
+        stream: bool,
     ) -> Result<(), RegressorError> {
         let task = Fill {
             pool: &self.pool,
-            tree: &self.tree,
+            robot: self.robot(),
             model,
             states,
             form,
-            stream: size_of_val(out) > STREAM_BYTES,
+            stream,
             out,
         };
-        dispatch(width, task).map_err(|bad| states.fault(bad, self.dof()))
+        dispatch(width, task).map_err(|fault| self.fault(fault, states))
+    }
+
+    /// What went wrong in a batch.
+    #[cold]
+    fn fault(&self, fault: Fault, states: States<'_>) -> RegressorError {
+        let widths = (self.positions(), self.independent());
+        match fault {
+            Fault::NoValue(sample, error) => RegressorError::NoValue { sample, error },
+            Fault::Tile(first) => states.not_finite(first, widths).unwrap_or_else(|| {
+                let what = "the state of a joint that follows others".to_owned();
+                let error = NoValue::Number { what };
+                let sample = first;
+                RegressorError::NoValue { sample, error }
+            }),
+        }
     }
 
     /// Number of degrees of freedom n of the tree.
@@ -259,6 +307,23 @@ impl Regressor {
         states.check(self.positions(), self.independent())
     }
 
+    /// A choice of a model's columns, in the order given, ready for many batches.
+    ///
+    /// # Panics
+    /// If there is no such column.
+    #[must_use]
+    pub fn columns(&self, model: Model, columns: &[usize]) -> Columns {
+        let places = places(columns, self.space.len());
+        let place = |column: usize| places[column].map(|place| place as usize);
+        let rows = model.rows(self.independent());
+        let layout = &self.layouts[family(model)];
+        Columns {
+            model,
+            export: Export::new(layout, rows, columns.len(), place),
+            columns: columns.to_vec(),
+        }
+    }
+
     /// All columns of a model: fills `out` (N x rows x C).
     ///
     /// # Errors
@@ -269,24 +334,7 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let width = self.space.len();
-        if self.in_lanes() {
-            let samples = states.count(self.dof(), self.dof())?;
-            check_out(model, samples, self.dof(), width, out.len())?;
-            let export = &self.exports[family(model)];
-            let width = self.width_for(samples);
-            return self.run(model, states, Form::Rows(export), width, out);
-        }
-        let samples = self.check(states)?;
-        check_out(model, samples, self.independent(), width, out.len())?;
-        let mut motions = self.motions(model, states);
-        let mut rows = Rows::new(&self.tree, &self.space, None);
-        let size = model.rows(self.independent()) * width;
-        for (sample, out) in out.chunks_exact_mut(size.max(1)).enumerate() {
-            let (motion, transmission) = motions.at(sample)?;
-            rows.write(model, motion, transmission, out);
-        }
-        Ok(())
+        self.fill_part(model, None, states, out, past_cache(out))
     }
 
     /// A choice of columns, in the order given: the reduced models d1 and h1. Fills
@@ -301,21 +349,37 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
+        let columns = self.columns(model, columns);
+        self.fill_part(model, Some(&columns), states, out, past_cache(out))
+    }
+
+    /// All columns, or those of `columns`, for a part of a larger batch: past the cache if
+    /// told so.
+    ///
+    /// # Errors
+    /// [`RegressorError`] if an array has the wrong length or a state is not finite.
+    pub fn fill_part(
+        &self,
+        model: Model,
+        columns: Option<&Columns>,
+        states: States<'_>,
+        out: &mut [f64],
+        past_cache: bool,
+    ) -> Result<(), RegressorError> {
+        let model = columns.map_or(model, |columns| columns.model);
+        let width = columns.map_or(self.space.len(), |c| c.columns.len());
         if self.in_lanes() {
-            let samples = states.count(self.dof(), self.dof())?;
-            check_out(model, samples, self.dof(), columns.len(), out.len())?;
-            let layout = &self.layouts[family(model)];
-            let places = places(columns, self.space.len());
-            let place = |column: usize| places[column].map(|place| place as usize);
-            let export = Export::new(layout, model.rows(self.dof()), columns.len(), place);
+            let samples = self.check_for_lanes(states)?;
+            check_out(model, samples, self.independent(), width, out.len())?;
+            let export = columns.map_or(&self.exports[family(model)], |c| &c.export);
             let width = self.width_for(samples);
-            return self.run(model, states, Form::Rows(&export), width, out);
+            return self.run(model, states, Form::Rows(export), width, out, past_cache);
         }
         let samples = self.check(states)?;
-        check_out(model, samples, self.independent(), columns.len(), out.len())?;
+        check_out(model, samples, self.independent(), width, out.len())?;
         let mut motions = self.motions(model, states);
-        let mut rows = Rows::new(&self.tree, &self.space, Some(columns));
-        let size = model.rows(self.independent()) * columns.len();
+        let mut rows = Rows::new(&self.tree, &self.space, columns.map(Columns::columns));
+        let size = model.rows(self.independent()) * width;
         for (sample, out) in out.chunks_exact_mut(size.max(1)).enumerate() {
             let (motion, transmission) = motions.at(sample)?;
             rows.write(model, motion, transmission, out);
@@ -368,20 +432,20 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = states.count(self.positions(), self.independent())?;
+        let samples = self.check_for_lanes(states)?;
         check_length("x", self.space.len(), x.len(), "one number a parameter")?;
         check_out(Model::D, samples, self.independent(), 1, out.len())?;
         if self.in_lanes() {
             let task = FillTorques {
                 pool: &self.pool,
-                tree: &self.tree,
+                robot: self.robot(),
                 space: &self.space,
+                independent: self.independent(),
                 states,
                 x,
                 out,
             };
-            return dispatch(self.width_for(samples), task)
-                .map_err(|b| states.fault(b, self.dof()));
+            return dispatch(self.width_for(samples), task).map_err(|f| self.fault(f, states));
         }
         self.check(states)?;
         let mut motions = self.motions(Model::D, states);
@@ -451,271 +515,18 @@ impl Regressor {
     }
 
     fn motions<'a>(&'a self, model: Model, states: States<'a>) -> Motions<'a> {
-        Motions {
-            tree: &self.tree,
-            expansion: self.expansion.as_ref(),
-            expanded: self.expansion.as_ref().map(Expansion::states),
-            still: vec![0.0; self.independent()],
-            rest: model == Model::D0,
-            states,
-            motion: Motion::default(),
-        }
+        Motions::new(&self.tree, self.expansion.as_ref(), model, states)
     }
 }
 
-/// N states of the m independent variables, row-major.
-///
-/// Coordinates stand in link order (rad or m, per s, per s^2). Those of a floating robot
-/// begin as Pinocchio's do: q with the base's position and attitude x y z qx qy qz qw, qd
-/// with the velocity of the base's origin and its angular velocity, both in the base's
-/// frame, qdd with the rates of these six numbers (the spatial acceleration: the origin's
-/// own is `dv + w x v`).
-#[derive(Debug, Clone, Copy)]
-pub struct States<'a> {
-    /// Positions, N x m, or N x (m + 1) for a floating robot.
-    pub q: &'a [f64],
-    /// Velocities, N x m.
-    pub qd: &'a [f64],
-    /// Accelerations, N x m (h does not look at them).
-    pub qdd: &'a [f64],
-}
-
-/// A quaternion is scaled to length 1 if it is as near to it as this: numbers written with
-/// three digits are, and an attitude in other coordinates hardly ever.
-const QUATERNION_ROUNDING: f64 = 1e-2;
-
-impl States<'_> {
-    /// The arrays with their widths, for so many coordinates of a position and of a velocity.
-    fn arrays(&self, positions: usize, velocities: usize) -> [(&'static str, &[f64], usize); 3] {
-        [
-            ("q", self.q, positions),
-            ("qd", self.qd, velocities),
-            ("qdd", self.qdd, velocities),
-        ]
-    }
-
-    /// The number of samples N, if the lengths agree.
-    fn count(&self, positions: usize, velocities: usize) -> Result<usize, RegressorError> {
-        let samples = self.q.len() / positions;
-        for (array, values, width) in self.arrays(positions, velocities) {
-            if values.len() != samples * width {
-                let shape = format!("{samples} samples x {width} coordinates");
-                check_length(array, samples * width, values.len(), &shape)?;
-            }
-        }
-        Ok(samples)
-    }
-
-    /// What is not finite in a tile.
-    #[cold]
-    fn fault(&self, bad: BadTile, dof: usize) -> RegressorError {
-        let BadTile(first) = bad;
-        let rest = |values: &[f64]| values[first * dof..].iter().position(|x| !x.is_finite());
-        let arrays = [("q", self.q), ("qd", self.qd), ("qdd", self.qdd)];
-        let found = arrays.map(|(array, values)| (rest(values), array, values));
-        let (at, array, values) = found
-            .into_iter()
-            .find(|(at, ..)| at.is_some())
-            .expect("a tile is bad because of a state");
-        let at = first * dof + at.unwrap_or(0);
-        RegressorError::NotFinite {
-            array,
-            sample: at / dof,
-            joint: at % dof,
-            value: values[at],
-        }
-    }
-
-    /// The number of samples N, all finite.
-    fn check(&self, positions: usize, velocities: usize) -> Result<usize, RegressorError> {
-        let samples = self.count(positions, velocities)?;
-        for (array, values, width) in self.arrays(positions, velocities) {
-            if let Some(at) = values.iter().position(|x| !x.is_finite()) {
-                return Err(RegressorError::NotFinite {
-                    array,
-                    sample: at / width,
-                    joint: at % width,
-                    value: values[at],
-                });
-            }
-        }
-        if positions > velocities {
-            self.check_quaternions(positions)?;
-        }
-        Ok(samples)
-    }
-
-    fn check_quaternions(&self, positions: usize) -> Result<(), RegressorError> {
-        for (sample, q) in self.q.chunks_exact(positions).enumerate() {
-            let length = q[3..7].iter().map(|x| x * x).sum::<f64>().sqrt();
-            let near_one = (length - 1.0).abs() <= QUATERNION_ROUNDING;
-            if !near_one {
-                return Err(RegressorError::Quaternion { sample, length });
-            }
-        }
-        Ok(())
-    }
-}
-
-/// How base and joints move in one sample.
-#[derive(Debug, Clone)]
-struct Motion<T> {
-    /// A floating robot's base.
-    base: Option<BaseState<T>>,
-    /// One entry a body.
-    joints: Vec<JointMotion<T>>,
-}
-
-impl<T> Default for Motion<T> {
-    fn default() -> Self {
-        Self {
-            base: None,
-            joints: Vec::new(),
-        }
-    }
-}
-
-/// How all joints move, sample by sample.
-struct Motions<'a> {
-    tree: &'a Tree<f64>,
-    expansion: Option<&'a Expansion<f64>>,
-    expanded: Option<JointStates<f64>>,
-    /// m zeros.
-    still: Vec<f64>,
-    /// Whether velocities count as zero (d0).
-    rest: bool,
-    states: States<'a>,
-    motion: Motion<f64>,
-}
-
-/// The motion of base and joints, and G of a mechanism with constraints.
-type Moving<'a> = (&'a Motion<f64>, Option<&'a Transmission<f64>>);
-
-impl Motions<'_> {
-    fn at(&mut self, sample: usize) -> Result<Moving<'_>, RegressorError> {
-        let m = self.still.len();
-        let span = sample * m..(sample + 1) * m;
-        let positions = m + usize::from(self.tree.is_floating());
-        let q = &self.states.q[sample * positions..(sample + 1) * positions];
-        let qdd = &self.states.qdd[span.clone()];
-        let qd = if self.rest {
-            &self.still[..]
-        } else {
-            &self.states.qd[span]
-        };
-        if self.tree.is_floating() {
-            let constants = self.tree.constants;
-            self.motion.base = Some(BaseState::read([q, qd, qdd], constants, f64::recip));
-        }
-        let q = self.tree.variables(q);
-        let state = match (self.expansion, &mut self.expanded) {
-            (Some(expansion), Some(expanded)) => {
-                expansion
-                    .expand([q, qd, qdd], expanded)
-                    .map_err(|error| RegressorError::NoValue { sample, error })?;
-                [&expanded.q[..], &expanded.qd, &expanded.qdd]
-            }
-            _ => [q, qd, qdd],
-        };
-        self.motion.joints.clear();
-        let bodies = self.tree.bodies.iter();
-        self.motion.joints.extend(bodies.map(|body| {
-            let [q, qd, qdd] = state.map(|x| body.variable.map_or(0.0, |at| x[at]));
-            match body.joint {
-                JointKind::Revolute => JointMotion::revolute(q, qd, qdd),
-                _ => JointMotion::prismatic(q, qd, qdd),
-            }
-        }));
-        let transmission = self.expanded.as_ref().map(|e| &e.transmission);
-        Ok((&self.motion, transmission))
-    }
-}
-
-/// Writes the rows of one sample, all columns or a choice of them.
-struct Rows<'a, T> {
-    tree: &'a Tree<T>,
-    space: &'a ParameterSpace,
-    /// For a choice: each column's place, and how many are chosen.
-    choice: Option<(Vec<Option<u32>>, usize)>,
-    dynamics: DynamicsWorkspace<T>,
-    energy: EnergyWorkspace<T>,
-}
-
-impl<'a, T: Scalar> Rows<'a, T> {
-    fn new(tree: &'a Tree<T>, space: &'a ParameterSpace, columns: Option<&[usize]>) -> Self {
-        let choice = columns.map(|columns| (places(columns, space.len()), columns.len()));
-        Self {
-            tree,
-            space,
-            choice,
-            dynamics: DynamicsWorkspace::new(tree),
-            energy: EnergyWorkspace::new(tree),
-        }
-    }
-
-    /// The rows at a motion: of all joints, or with G of the independent ones.
-    fn write(
-        &mut self,
-        model: Model,
-        motion: &Motion<T>,
-        transmission: Option<&Transmission<T>>,
-        rows: &mut [T],
-    ) {
-        rows.fill(self.tree.constants.zero);
-        let space = self.space;
-        match self.choice.take() {
-            None => self.run(model, motion, transmission, &mut DenseRows { space, rows }),
-            Some((places, width)) => {
-                let mut sink = SelectedRows {
-                    space,
-                    places: &places,
-                    width,
-                    rows,
-                };
-                self.run(model, motion, transmission, &mut sink);
-                self.choice = Some((places, width));
-            }
-        }
-    }
-
-    fn run(
-        &mut self,
-        model: Model,
-        motion: &Motion<T>,
-        transmission: Option<&Transmission<T>>,
-        sink: &mut impl Sink<T>,
-    ) {
-        if let Some(base) = &motion.base {
-            self.dynamics.move_base(self.tree, base);
-            self.energy.move_base(self.tree, base);
-        }
-        let motion = &motion.joints;
-        match (model, transmission) {
-            (Model::H, _) => energy(self.tree, motion, &mut self.energy, sink),
-            (_, None) => dynamics(self.tree, motion, &mut self.dynamics, sink),
-            (_, Some(transmission)) => {
-                let mut sink = Projected {
-                    transmission,
-                    inner: sink,
-                };
-                dynamics(self.tree, motion, &mut self.dynamics, &mut sink);
-            }
-        }
-    }
+/// Whether a result is too large to stay in the cache.
+fn past_cache(out: &[f64]) -> bool {
+    size_of_val(out) > STREAM_BYTES
 }
 
 /// d and d0 have the same nonzeros, h has others.
 fn family(model: Model) -> usize {
     usize::from(model == Model::H)
-}
-
-/// Each column's place among the chosen ones.
-fn places(columns: &[usize], width: usize) -> Vec<Option<u32>> {
-    let mut places = vec![None; width];
-    for (place, &column) in columns.iter().enumerate() {
-        places[column] = Some(place as u32);
-    }
-    places
 }
 
 fn check_out(
@@ -732,21 +543,4 @@ fn check_out(
     let rows = model.rows(dof);
     let shape = format!("{samples} samples x {rows} rows x {width} columns");
     check_length("out", expected, found, &shape)
-}
-
-fn check_length(
-    array: &'static str,
-    expected: usize,
-    found: usize,
-    shape: &str,
-) -> Result<(), RegressorError> {
-    if found == expected {
-        return Ok(());
-    }
-    Err(RegressorError::Length {
-        array,
-        shape: shape.to_owned(),
-        expected,
-        found,
-    })
 }

@@ -117,7 +117,11 @@ impl<T: Scalar> DynamicsWorkspace<T> {
     }
 
     /// Where the base of a floating robot is and how it moves from now on.
-    pub fn move_base(&mut self, tree: &Tree<T>, base: &BaseState<T>) {
+    #[inline(always)]
+    pub fn move_base<C: Scalar>(&mut self, tree: &Tree<C>, base: &BaseState<T>)
+    where
+        T: Lift<C>,
+    {
         let state = &mut self.states[0];
         (state.w, state.dw, state.a) = (base.w, base.dw, base.acceleration(tree));
     }

@@ -44,7 +44,11 @@ impl<T: Scalar> EnergyWorkspace<T> {
     }
 
     /// Where the base of a floating robot is and how it moves from now on.
-    pub fn move_base(&mut self, tree: &Tree<T>, base: &BaseState<T>) {
+    #[inline(always)]
+    pub fn move_base<C: Scalar>(&mut self, tree: &Tree<C>, base: &BaseState<T>)
+    where
+        T: Lift<C>,
+    {
         self.states[0] = BodyState {
             w: base.w,
             v: base.v,

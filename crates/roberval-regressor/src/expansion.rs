@@ -97,6 +97,18 @@ impl<T: Real> Expansion<T> {
         Self(Kind::Loops(loops))
     }
 
+    /// All that it depends on, to tell robots apart.
+    #[must_use]
+    pub fn description(&self) -> String
+    where
+        T: std::fmt::Debug,
+    {
+        match &self.0 {
+            Kind::Couples(affine, formulas) => format!("{affine:?} {formulas:?}"),
+            Kind::Loops(loops) => loops.description(),
+        }
+    }
+
     /// m
     #[must_use]
     pub fn independent(&self) -> usize {

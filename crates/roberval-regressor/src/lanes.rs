@@ -8,37 +8,88 @@ use std::sync::Mutex;
 use roberval_mechanism::ParameterSpace;
 use roberval_scalar::{Lanes, MAX_LANES, Task};
 
-use crate::packed::{Export, Packed};
+use crate::packed::{Export, Packed, Projection};
 use crate::tile::Tile;
+use crate::tree_states::{Expanded, TreeStates};
 use crate::{
-    DynamicsWorkspace, EnergyWorkspace, Model, Sink, States, Torques, Tree, dynamics, energy,
+    DynamicsWorkspace, EnergyWorkspace, Expansion, Model, NoValue, Sink, States, Torques, Tree,
+    dynamics, energy,
 };
 
-/// A state that is not finite is in the tile that begins with this sample.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct BadTile(pub usize);
+/// Why a batch has no rows.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Fault {
+    /// A state that is not finite is in the tile that begins with this sample.
+    Tile(usize),
+    /// The constraints have no value at a sample.
+    NoValue(usize, NoValue),
+}
+
+/// Samples after which loops are closed from the first configuration anew: rows then depend
+/// on where their sample stands, not on how work is shared out.
+pub(crate) const STRETCH: usize = 64;
+
+/// What a batch is made of.
+#[derive(Clone, Copy)]
+pub(crate) struct Robot<'a> {
+    pub tree: &'a Tree<f64>,
+    pub expansion: Option<&'a Expansion<f64>>,
+    pub projection: Option<&'a Projection>,
+}
+
+impl Robot<'_> {
+    /// The states of all joints: of all samples, or of the k-th stretch of them.
+    fn states<'s>(
+        &self,
+        states: States<'s>,
+        k: usize,
+        still: bool,
+        expanded: &'s mut Expanded,
+    ) -> Result<TreeStates<'s>, Fault> {
+        let Some(expansion) = self.expansion else {
+            return Ok(TreeStates::of(states));
+        };
+        let samples = k * STRETCH..(k + 1) * STRETCH;
+        expanded
+            .fill(self.tree, expansion, states, samples, still)
+            .map_err(|(sample, error)| Fault::NoValue(sample, error))?;
+        Ok(expanded.states())
+    }
+}
 
 /// Working memory of a batch.
 pub(crate) struct Work<V> {
     tile: Tile<V>,
     dynamics: DynamicsWorkspace<V>,
     energy: EnergyWorkspace<V>,
-    /// The packed numbers of a tile and a zero.
+    /// The packed numbers of a tile and a zero: of all joints, and of the independent ones.
     stage: Vec<V>,
+    projected: Vec<V>,
     /// The rows of a tile.
     rows: Vec<f64>,
+    /// States of a stretch of samples.
+    expanded: Expanded,
 }
 
 impl<V: Lanes> Work<V> {
     #[inline(always)]
-    pub(crate) fn new(tree: &Tree<f64>) -> Self {
+    pub(crate) fn new(robot: Robot<'_>) -> Self {
+        let tree = robot.tree;
         Self {
-            tile: Tile::new(tree),
+            tile: Tile::new(tree, robot.projection.map_or(0, Projection::g_width)),
             dynamics: DynamicsWorkspace::new(tree),
             energy: EnergyWorkspace::new(tree),
             stage: Vec::new(),
+            projected: Vec::new(),
             rows: Vec::new(),
+            expanded: Expanded::default(),
         }
+    }
+
+    /// The values of G in the tile that ran last.
+    #[inline(always)]
+    pub(crate) fn g(&self) -> &[V] {
+        &self.tile.g
     }
 
     /// Runs the recursion on the tile that begins with this sample.
@@ -47,16 +98,26 @@ impl<V: Lanes> Work<V> {
         &mut self,
         tree: &Tree<f64>,
         model: Model,
-        states: &States<'_>,
+        states: &TreeStates<'_>,
         first: usize,
         sink: &mut impl Sink<V>,
-    ) -> Result<(), BadTile> {
+    ) -> Result<(), Fault> {
         if !self.tile.load(tree, model, states, first) {
-            return Err(BadTile(first));
+            return Err(Fault::Tile(first));
         }
         match model {
-            Model::D | Model::D0 => dynamics(tree, &self.tile.motion, &mut self.dynamics, sink),
-            Model::H => energy(tree, &self.tile.motion, &mut self.energy, sink),
+            Model::D | Model::D0 => {
+                if let Some(base) = &self.tile.base {
+                    self.dynamics.move_base(tree, base);
+                }
+                dynamics(tree, &self.tile.motion, &mut self.dynamics, sink);
+            }
+            Model::H => {
+                if let Some(base) = &self.tile.base {
+                    self.energy.move_base(tree, base);
+                }
+                energy(tree, &self.tile.motion, &mut self.energy, sink);
+            }
         }
         Ok(())
     }
@@ -69,13 +130,14 @@ pub(crate) struct Pool(Mutex<Vec<Box<dyn Any + Send>>>);
 impl Pool {
     /// Working memory made by an earlier call, if none other has it.
     pub(crate) fn take<W: Any>(&self) -> Option<Box<W>> {
-        let mut free = self.0.lock().ok()?;
+        // Not waiting: a child process may have been forked while another thread was here.
+        let mut free = self.0.try_lock().ok()?;
         let at = free.iter().position(|work| work.is::<W>())?;
         free.swap_remove(at).downcast().ok()
     }
 
     pub(crate) fn give<W: Any + Send>(&self, work: Box<W>) {
-        if let Ok(mut free) = self.0.lock() {
+        if let Ok(mut free) = self.0.try_lock() {
             free.push(work);
         }
     }
@@ -105,7 +167,7 @@ pub(crate) enum Form<'a> {
 /// All samples' numbers into `out`.
 pub(crate) struct Fill<'a> {
     pub pool: &'a Pool,
-    pub tree: &'a Tree<f64>,
+    pub robot: Robot<'a>,
     pub model: Model,
     pub states: States<'a>,
     pub form: Form<'a>,
@@ -115,92 +177,181 @@ pub(crate) struct Fill<'a> {
 }
 
 impl Task for Fill<'_> {
-    type Output = Result<(), BadTile>;
+    type Output = Result<(), Fault>;
 
     #[inline(always)]
     fn run<V: Lanes>(self) -> Self::Output {
-        let tree = self.tree;
+        let Self { robot, model, .. } = self;
         let mut work = match self.pool.take::<Work<V>>() {
             Some(work) => work,
-            None => Box::new(Work::new(tree)),
+            None => Box::new(Work::new(robot)),
         };
-        let (slots, length) = match self.form {
-            Form::Rows(export) => (export.slots(), export.len()),
-            Form::Packed(slots) => (slots, slots),
+        let length = match self.form {
+            Form::Rows(export) => export.len(),
+            Form::Packed(slots) => slots,
         };
-        let (mut stage, mut rows) = (mem::take(&mut work.stage), mem::take(&mut work.rows));
-        stage.resize(stage.len().max(slots + 1), V::lift(0.0));
-        stage[slots] = V::lift(0.0);
-        let whole = V::COUNT * length;
-        rows.resize(rows.len().max(whole), 0.0);
-        for (tile, out) in self.out.chunks_mut(whole).enumerate() {
-            let direct = out.len() == whole && !self.stream;
-            let to = if direct {
-                &mut *out
-            } else {
-                &mut rows[..whole]
-            };
-            let packed = match self.form {
-                Form::Rows(_) => V::numbers(&mut stage[..slots]),
-                Form::Packed(_) => &mut *to,
-            };
-            let mut sink = Packed::new(packed);
-            work.run(tree, self.model, &self.states, tile * V::COUNT, &mut sink)?;
-            if let Form::Rows(export) = self.form {
-                export.write(&stage, to);
-            }
-            if self.stream {
-                V::stream(&rows[..out.len()], out);
-            } else if !direct {
-                out.copy_from_slice(&rows[..out.len()]);
-            }
+        let mut expanded = mem::take(&mut work.expanded);
+        let whole = stretch(robot, self.out.len(), length);
+        for (k, out) in self.out.chunks_mut(whole).enumerate() {
+            let still = model == Model::D0;
+            let states = robot.states(self.states, k, still, &mut expanded)?;
+            write(
+                robot,
+                model,
+                &states,
+                &mut work,
+                (self.form, self.stream),
+                out,
+            )?;
         }
-        (work.stage, work.rows) = (stage, rows);
+        work.expanded = expanded;
         self.pool.give(work);
         Ok(())
     }
 }
 
+/// Numbers written at a time: of all samples, or of as many as are expanded at a time.
+fn stretch(robot: Robot<'_>, all: usize, length: usize) -> usize {
+    match robot.expansion {
+        None => all.max(1),
+        Some(_) => STRETCH * length.max(1),
+    }
+}
+
+/// Tile after tile into `out`.
+#[inline(always)]
+fn write<V: Lanes>(
+    robot: Robot<'_>,
+    model: Model,
+    states: &TreeStates<'_>,
+    work: &mut Work<V>,
+    (form, stream): (Form<'_>, bool),
+    out: &mut [f64],
+) -> Result<(), Fault> {
+    let projection = robot.projection.filter(|_| model != Model::H);
+    let (slots, length) = match form {
+        Form::Rows(export) => (export.slots(), export.len()),
+        Form::Packed(slots) => (slots, slots),
+    };
+    let of_tree = projection.map_or(slots, Projection::tree_slots);
+    let (mut stage, mut rows) = (mem::take(&mut work.stage), mem::take(&mut work.rows));
+    let mut projected = mem::take(&mut work.projected);
+    let zero = V::lift(0.0);
+    stage.resize(stage.len().max(of_tree + 1), zero);
+    stage[of_tree] = zero;
+    if projection.is_some() {
+        projected.resize(projected.len().max(slots + 1), zero);
+        projected[slots] = zero;
+    }
+    let whole = V::COUNT * length;
+    rows.resize(rows.len().max(whole), 0.0);
+    for (tile, out) in out.chunks_mut(whole).enumerate() {
+        let direct = out.len() == whole && !stream;
+        let to = if direct {
+            &mut *out
+        } else {
+            &mut rows[..whole]
+        };
+        let packed = match form {
+            Form::Packed(_) if projection.is_none() => &mut *to,
+            _ => V::numbers(&mut stage[..of_tree]),
+        };
+        let mut sink = Packed::new(packed);
+        work.run(robot.tree, model, states, tile * V::COUNT, &mut sink)?;
+        if let Some(projection) = projection {
+            projection.apply(work.g(), &stage, &mut projected[..slots]);
+            if let Form::Packed(_) = form {
+                to.copy_from_slice(V::numbers(&mut projected[..slots]));
+            }
+        }
+        if let Form::Rows(export) = form {
+            let stage = if projection.is_some() {
+                &projected
+            } else {
+                &stage
+            };
+            export.write(stage, to);
+        }
+        if stream {
+            V::stream(&rows[..out.len()], out);
+        } else if !direct {
+            out.copy_from_slice(&rows[..out.len()]);
+        }
+    }
+    (work.stage, work.rows, work.projected) = (stage, rows, projected);
+    Ok(())
+}
+
 /// Torques of all samples: the rows times X.
 pub(crate) struct FillTorques<'a> {
     pub pool: &'a Pool,
-    pub tree: &'a Tree<f64>,
+    pub robot: Robot<'a>,
     pub space: &'a ParameterSpace,
+    /// Number of torques a sample.
+    pub independent: usize,
     pub states: States<'a>,
     pub x: &'a [f64],
     pub out: &'a mut [f64],
 }
 
 impl Task for FillTorques<'_> {
-    type Output = Result<(), BadTile>;
+    type Output = Result<(), Fault>;
 
     #[inline(always)]
     fn run<V: Lanes>(self) -> Self::Output {
-        let (tree, n) = (self.tree, self.tree.dof);
+        let (robot, m) = (self.robot, self.independent);
         let mut work = match self.pool.take::<Work<V>>() {
             Some(work) => work,
-            None => Box::new(Work::new(tree)),
+            None => Box::new(Work::new(robot)),
         };
-        let mut torques = mem::take(&mut work.stage);
-        torques.resize(n.max(torques.len()), V::lift(0.0));
-        for (tile, out) in self.out.chunks_mut(V::COUNT * n).enumerate() {
-            torques[..n].fill(V::lift(0.0));
-            let mut sink = Torques {
-                space: self.space,
-                x: self.x,
-                torques: &mut torques[..n],
-            };
-            work.run(tree, Model::D, &self.states, tile * V::COUNT, &mut sink)?;
-            for (j, torque) in torques[..n].iter().enumerate() {
-                let mut lanes = [0.0; MAX_LANES];
-                torque.store(&mut lanes);
-                for (row, torque) in out.chunks_exact_mut(n).zip(lanes) {
-                    row[j] = torque;
-                }
-            }
+        let data = (self.space, self.x);
+        let mut expanded = mem::take(&mut work.expanded);
+        let whole = stretch(robot, self.out.len(), m);
+        for (k, out) in self.out.chunks_mut(whole).enumerate() {
+            let states = robot.states(self.states, k, false, &mut expanded)?;
+            torques(robot, m, &states, &mut work, data, out)?;
         }
-        work.stage = torques;
+        work.expanded = expanded;
         self.pool.give(work);
         Ok(())
     }
+}
+
+/// The torques of tile after tile.
+#[inline(always)]
+fn torques<V: Lanes>(
+    robot: Robot<'_>,
+    m: usize,
+    states: &TreeStates<'_>,
+    work: &mut Work<V>,
+    (space, x): (&ParameterSpace, &[f64]),
+    out: &mut [f64],
+) -> Result<(), Fault> {
+    let n = robot.tree.dof;
+    let zero = V::lift(0.0);
+    let (mut of_joints, mut of_rows) = (mem::take(&mut work.stage), mem::take(&mut work.projected));
+    of_joints.resize(n.max(of_joints.len()), zero);
+    of_rows.resize(m.max(of_rows.len()), zero);
+    for (tile, out) in out.chunks_mut(V::COUNT * m).enumerate() {
+        of_joints[..n].fill(zero);
+        let torques = &mut of_joints[..n];
+        let mut sink = Torques { space, x, torques };
+        work.run(robot.tree, Model::D, states, tile * V::COUNT, &mut sink)?;
+        let torques = match robot.projection {
+            None => &of_joints[..n],
+            Some(projection) => {
+                projection.apply_to_torques(work.g(), &of_joints[..n], &mut of_rows[..m]);
+                &of_rows[..m]
+            }
+        };
+        for (j, torque) in torques.iter().enumerate() {
+            let mut lanes = [0.0; MAX_LANES];
+            torque.store(&mut lanes);
+            for (row, torque) in out.chunks_exact_mut(m).zip(lanes) {
+                row[j] = torque;
+            }
+        }
+    }
+    (work.stage, work.projected) = (of_joints, of_rows);
+    Ok(())
 }

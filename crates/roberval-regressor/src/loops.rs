@@ -36,6 +36,14 @@ impl<T: Real> LoopExpansion<T> {
         }
     }
 
+    /// All that it depends on, without what it has found out since.
+    pub fn description(&self) -> String
+    where
+        T: std::fmt::Debug,
+    {
+        format!("{:?} {:?}", self.assembly, self.linkage)
+    }
+
     pub fn independent(&self) -> usize {
         self.first + self.assembly.independent.len()
     }

@@ -1,11 +1,14 @@
 //! The nonzeros of the regressor, packed: what the lanes compute.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use roberval_mechanism::ParameterSpace;
 use roberval_scalar::Lanes;
 
-use crate::{DynamicsWorkspace, EnergyWorkspace, Model, Sink, Tree, dynamics, energy};
+use crate::{
+    DynamicsWorkspace, EnergyWorkspace, Model, Sink, Transmission, Tree, dynamics, energy,
+};
 
 /// Which entry of a sample's rows each packed number is.
 ///
@@ -54,6 +57,90 @@ impl PackedLayout {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
+    }
+}
+
+/// The packed numbers of the independent joints' rows, G' times those of all joints.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Projection {
+    /// For each slot, which value of G meets which slot of the tree.
+    terms: Vec<Vec<(u32, u32)>>,
+    /// The same for the torques: which value of G meets which joint's.
+    torques: Vec<Vec<(u32, u32)>>,
+    from_slots: usize,
+    g_width: usize,
+}
+
+impl Projection {
+    /// The projection of a tree's layout by a transmission of this pattern, and where its
+    /// numbers belong.
+    pub(crate) fn new(
+        layout: &PackedLayout,
+        space: &ParameterSpace,
+        g: &Transmission<f64>,
+        (joints, independent): (usize, usize),
+    ) -> (Self, PackedLayout) {
+        let mut starts = vec![0];
+        for row in 0..joints {
+            starts.push(starts[row] + g.row(row).count());
+        }
+        let mut torques = vec![Vec::new(); independent];
+        for row in 0..joints {
+            for (k, (place, _)) in g.row(row).enumerate() {
+                torques[place].push(((starts[row] + k) as u32, row as u32));
+            }
+        }
+        // Link by link and row by row, as those of the tree.
+        let mut slots: BTreeMap<(usize, usize, usize), Vec<(u32, u32)>> = BTreeMap::new();
+        for (slot, &(row, column)) in layout.entries.iter().enumerate() {
+            let link = space.ids()[column].link;
+            for (k, (place, _)) in g.row(row).enumerate() {
+                let terms = slots.entry((link, place, column)).or_default();
+                terms.push(((starts[row] + k) as u32, slot as u32));
+            }
+        }
+        let entries = slots.keys().map(|&(_, row, column)| (row, column));
+        let projected = PackedLayout {
+            entries: entries.collect(),
+        };
+        let projection = Self {
+            terms: slots.into_values().collect(),
+            torques,
+            from_slots: layout.entries.len(),
+            g_width: g.values().len(),
+        };
+        (projection, projected)
+    }
+
+    /// Number of values of G.
+    pub(crate) fn g_width(&self) -> usize {
+        self.g_width
+    }
+
+    /// Number of slots of the tree.
+    pub(crate) fn tree_slots(&self) -> usize {
+        self.from_slots
+    }
+
+    #[inline(always)]
+    pub(crate) fn apply<V: Lanes>(&self, g: &[V], from: &[V], to: &mut [V]) {
+        sums(&self.terms, g, from, to);
+    }
+
+    #[inline(always)]
+    pub(crate) fn apply_to_torques<V: Lanes>(&self, g: &[V], from: &[V], to: &mut [V]) {
+        sums(&self.torques, g, from, to);
+    }
+}
+
+#[inline(always)]
+fn sums<V: Lanes>(terms: &[Vec<(u32, u32)>], g: &[V], from: &[V], to: &mut [V]) {
+    for (to, terms) in to.iter_mut().zip(terms) {
+        let mut sum = V::lift(0.0);
+        for &(value, slot) in terms {
+            sum = g[value as usize].mul_add(from[slot as usize], sum);
+        }
+        *to = sum;
     }
 }
 
@@ -114,6 +201,8 @@ impl<V: Lanes> Sink<V> for Packed<'_> {
 pub(crate) struct Export {
     /// For each number of a sample's rows, its slot; for zeros the one after the last.
     sources: Vec<u32>,
+    /// Where slots and numbers follow each other: slot, number and how many.
+    runs: Vec<[usize; 3]>,
     /// Pieces of `sources` that have a slot, as multiples of 8 numbers; the rest is zero.
     filled: Vec<Range<usize>>,
     /// Number of slots.
@@ -150,6 +239,7 @@ impl Export {
             }
         }
         Self {
+            runs: runs(&sources, slots),
             sources,
             filled,
             slots,
@@ -166,11 +256,26 @@ impl Export {
         self.slots
     }
 
+    /// Writes a single sample.
+    #[inline(always)]
+    fn write_one<V: Lanes>(&self, stage: &[V], out: &mut [f64]) {
+        out.fill(0.0);
+        for &[slot, at, count] in &self.runs {
+            let (from, to) = (&stage[slot..slot + count], &mut out[at..at + count]);
+            for (x, to) in from.iter().zip(to.chunks_exact_mut(1)) {
+                x.store(to);
+            }
+        }
+    }
+
     /// Writes the samples of a tile, one after the other. `stage` has a zero after its
     /// slots.
     #[inline(always)]
     pub(crate) fn write<V: Lanes>(&self, stage: &[V], out: &mut [f64]) {
         let length = self.len();
+        if V::COUNT == 1 {
+            return self.write_one(stage, out);
+        }
         let mut done = 0;
         for range in &self.filled {
             zero::<V>(out, length, done..range.start);
@@ -190,6 +295,22 @@ impl Export {
         }
         zero::<V>(out, length, done..length);
     }
+}
+
+/// Pieces of the sources in which slots follow each other.
+fn runs(sources: &[u32], slots: usize) -> Vec<[usize; 3]> {
+    let mut runs: Vec<[usize; 3]> = Vec::new();
+    for (at, &slot) in sources.iter().enumerate() {
+        let slot = slot as usize;
+        match runs.last_mut() {
+            _ if slot == slots => {}
+            Some([first, from, count]) if (*first + *count, *from + *count) == (slot, at) => {
+                *count += 1;
+            }
+            _ => runs.push([slot, at, 1]),
+        }
+    }
+    runs
 }
 
 /// Writes zeros at these places of every sample.

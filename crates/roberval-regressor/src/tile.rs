@@ -3,27 +3,33 @@
 use roberval_mechanism::JointKind;
 use roberval_scalar::{Lanes, MAX_LANES};
 
-use crate::{Body, JointMotion, Layout, Model, States, Tree};
+use crate::{BaseState, Body, Constants, JointMotion, Layout, Model, Tree, TreeStates};
 
-/// The joint states of one tile of samples, a sample a lane.
-#[derive(Debug)]
-pub struct Tile<V> {
-    /// q, qd, qdd of every joint variable, and room for whole transposed blocks.
+/// The states of one tile of samples, a sample a lane.
+#[derive(Debug, Clone)]
+pub(crate) struct Tile<V> {
+    /// q, qd, qdd of every coordinate, and room for whole transposed blocks.
     states: [Vec<V>; 3],
     /// A copy of the last, incomplete tile's numbers.
     padded: Vec<f64>,
     /// How the bodies move, as the recursion takes it.
     pub motion: Vec<JointMotion<V>>,
+    /// A floating robot's base.
+    pub base: Option<BaseState<V>>,
+    /// The values of G, where joints depend on others.
+    pub g: Vec<V>,
+    /// Coordinates of q, and of qd and qdd.
+    positions: usize,
     dof: usize,
 }
 
 impl<V: Lanes> Tile<V> {
-    /// Room for a tile of this tree's states.
+    /// Room for a tile of this tree's states, and for so many values of G.
     #[inline(always)]
-    #[must_use]
-    pub fn new(tree: &Tree<f64>) -> Self {
+    pub(crate) fn new(tree: &Tree<f64>, g: usize) -> Self {
         let zero = V::lift(0.0);
-        let room = tree.dof.next_multiple_of(V::COUNT);
+        let positions = tree.dof + usize::from(tree.is_floating());
+        let room = positions.next_multiple_of(V::COUNT);
         let still = JointMotion {
             cos: V::lift(1.0),
             sin: zero,
@@ -34,8 +40,11 @@ impl<V: Lanes> Tile<V> {
         };
         Self {
             states: std::array::from_fn(|_| vec![zero; room]),
-            padded: vec![0.0; V::COUNT * tree.dof + V::COUNT],
+            padded: vec![0.0; V::COUNT * positions.max(g) + V::COUNT],
             motion: vec![still; tree.bodies.len()],
+            base: None,
+            g: vec![zero; g.next_multiple_of(V::COUNT)],
+            positions,
             dof: tree.dof,
         }
     }
@@ -43,11 +52,11 @@ impl<V: Lanes> Tile<V> {
     /// Loads the samples from `first` on, zeros after the last one, and sets the bodies in
     /// motion. Tells whether all states are finite.
     #[inline(always)]
-    pub fn load(
+    pub(crate) fn load(
         &mut self,
         tree: &Tree<f64>,
         model: Model,
-        states: &States<'_>,
+        samples: &TreeStates<'_>,
         first: usize,
     ) -> bool {
         let looked_at = match model {
@@ -55,29 +64,65 @@ impl<V: Lanes> Tile<V> {
             Model::D0 => [true, false, true],
             Model::H => [true, true, false],
         };
-        for (k, numbers) in [states.q, states.qd, states.qdd].into_iter().enumerate() {
-            let to = &mut self.states[k];
-            if looked_at[k] {
-                transpose(&numbers[first * self.dof..], self.dof, &mut self.padded, to);
-            } else {
+        let states = [samples.states.q, samples.states.qd, samples.states.qdd];
+        let widths = [self.positions, self.dof, self.dof];
+        let mut sum = V::lift(0.0);
+        for (k, numbers) in states.into_iter().enumerate() {
+            let (to, width) = (&mut self.states[k], widths[k]);
+            if !looked_at[k] {
                 to.fill(V::lift(0.0));
+                continue;
             }
-        }
-        let mut sums = [V::lift(0.0); 3];
-        let [q, qd, qdd] = &self.states;
-        for (body, motion) in tree.bodies.iter().zip(&mut self.motion) {
-            let Some(j) = body.variable else { continue };
-            let states = [q[j], qd[j], qdd[j]];
+            transpose(&numbers[first * width..], width, &mut self.padded, to);
             // Zero times anything but a finite number is NaN.
-            for (sum, x) in sums.iter_mut().zip(states) {
-                *sum = x.mul_add(V::lift(0.0), *sum);
+            for x in &to[..width] {
+                sum = x.mul_add(V::lift(0.0), sum);
             }
-            set(motion, body, states);
         }
-        let mut sum = [0.0; MAX_LANES];
-        (sums[0] + sums[1] + sums[2]).store(&mut sum);
-        sum.iter().sum::<f64>() == 0.0
+        self.move_bodies(tree);
+        if !samples.g.is_empty() {
+            let count = samples.g_width;
+            transpose(
+                &samples.g[first * count..],
+                count,
+                &mut self.padded,
+                &mut self.g,
+            );
+        }
+        let mut sums = [0.0; MAX_LANES];
+        sum.store(&mut sums);
+        sums.iter().sum::<f64>() == 0.0
     }
+
+    #[inline(always)]
+    fn move_bodies(&mut self, tree: &Tree<f64>) {
+        let [q, qd, qdd] = &self.states;
+        if tree.is_floating() {
+            let constants = Constants {
+                zero: V::lift(0.0),
+                one: V::lift(1.0),
+                half: V::lift(0.5),
+            };
+            self.base = Some(base_of([q, qd, qdd], constants));
+        }
+        let q = tree.variables(q);
+        for (body, motion) in tree.bodies.iter().zip(&mut self.motion) {
+            if body.joint == JointKind::Floating {
+                continue;
+            }
+            let Some(j) = body.variable else { continue };
+            set(motion, body, [q[j], qd[j], qdd[j]]);
+        }
+    }
+}
+
+/// The base's state. A lane after the last sample has no attitude; any will do.
+#[inline(always)]
+fn base_of<V: Lanes>(state: [&Vec<V>; 3], constants: Constants<V>) -> BaseState<V> {
+    let [q, qd, qdd] = state;
+    let squared = crate::base::squared_length([q[3], q[4], q[5], q[6]]);
+    let inverse = V::lift(1.0).divide(squared).where_nonzero(squared);
+    BaseState::of([q, qd, qdd], constants, inverse)
 }
 
 /// Sets a body in motion.
@@ -95,19 +140,19 @@ fn set<V: Lanes>(motion: &mut JointMotion<V>, body: &Body<f64>, [q, qd, qdd]: [V
     }
 }
 
-/// The columns of a table of `dof` columns, a row a lane.
+/// The columns of a table of `width` columns, a row a lane.
 #[inline(always)]
-fn transpose<V: Lanes>(from: &[f64], dof: usize, padded: &mut [f64], to: &mut [V]) {
+fn transpose<V: Lanes>(from: &[f64], width: usize, padded: &mut [f64], to: &mut [V]) {
     // Whole blocks read beyond the last row's end.
-    let from = if from.len() < (V::COUNT - 1) * dof + to.len() {
-        let count = from.len().min(V::COUNT * dof);
+    let from = if from.len() < (V::COUNT - 1) * width + to.len() {
+        let count = from.len().min(V::COUNT * width);
         padded[..count].copy_from_slice(&from[..count]);
         padded[count..].fill(0.0);
         &*padded
     } else {
         from
     };
-    for first in (0..dof).step_by(V::COUNT) {
-        V::load_transposed(&from[first..], dof, &mut to[first..]);
+    for first in (0..width).step_by(V::COUNT) {
+        V::load_transposed(&from[first..], width, &mut to[first..]);
     }
 }

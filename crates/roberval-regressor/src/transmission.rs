@@ -36,6 +36,11 @@ impl<T: Copy> Transmission<T> {
         places.zip(self.values[span].iter().copied())
     }
 
+    /// All values, row by row.
+    pub fn values(&self) -> &[T] {
+        &self.values
+    }
+
     /// The values of row i, in the order of its places.
     pub fn row_mut(&mut self, i: usize) -> &mut [T] {
         &mut self.values[self.starts[i]..self.starts[i + 1]]

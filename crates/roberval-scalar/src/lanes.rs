@@ -129,10 +129,19 @@ impl Width {
         self == Self::Plain || available(self)
     }
 
-    /// The widest of this processor.
+    /// The widest of this processor, or as wide as the environment variable
+    /// `ROBERVAL_LANES` allows (0 means plain floats): to compare processors on one.
     #[must_use]
     pub fn best() -> Self {
-        let widest = Self::ALL.into_iter().rev().find(|w| w.is_available());
+        let allowed = std::env::var("ROBERVAL_LANES").ok();
+        let allowed = allowed.and_then(|lanes| lanes.trim().parse::<usize>().ok());
+        let fits = |width: &Self| match allowed {
+            Some(0) => *width == Self::Plain,
+            Some(lanes) => width.lanes() <= lanes,
+            None => true,
+        };
+        let mut widths = Self::ALL.into_iter().rev();
+        let widest = widths.find(|width| width.is_available() && fits(width));
         widest.unwrap_or(Self::Plain)
     }
 
