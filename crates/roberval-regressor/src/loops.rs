@@ -20,8 +20,9 @@ pub(crate) struct LoopExpansion<T> {
     landmarks: Arc<OnceLock<Vec<Vec<f64>>>>,
 }
 
-/// Landmarks, and how many of the nearest are tried.
-const LANDMARKS: (usize, usize) = (64, 8);
+/// Tried from the nearest on. The straight way from the start is often barred: rods of a
+/// Delta robot need some dozens to be reached wherever its arms lead them.
+const LANDMARKS: usize = 256;
 
 /// The seed of the walk to the landmarks.
 const SEED: u64 = 0x1a_4d;
@@ -96,7 +97,7 @@ impl<T> LoopExpansion<T> {
             let mut walk = Walk::new(assembly, SEED);
             let walked = std::iter::from_fn(|| walk.next_configuration());
             let start = std::iter::once(assembly.start.clone());
-            start.chain(walked).take(LANDMARKS.0).collect()
+            start.chain(walked).take(LANDMARKS).collect()
         });
         let distance = |q: &[f64]| -> f64 {
             let each = assembly.independent.iter().zip(qa);
@@ -105,9 +106,8 @@ impl<T> LoopExpansion<T> {
         let mut nearest: Vec<(f64, &Vec<f64>)> =
             landmarks.iter().map(|q| (distance(q), q)).collect();
         nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let nearest = nearest.iter().take(LANDMARKS.1);
-        let reached = nearest.map(|(_, q)| assembly.reach(q, qa));
-        reached.flatten().next().ok_or(first)
+        let mut reached = nearest.iter().map(|(_, q)| assembly.reach(q, qa));
+        reached.find_map(Result::ok).ok_or(first)
     }
 }
 
