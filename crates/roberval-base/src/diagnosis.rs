@@ -6,6 +6,10 @@ use roberval_mechanism::ParameterSpace;
 use crate::engine::Judgement;
 use crate::{Blame, Engine, ExactDecision, Literal, LoopForm, NullspaceDecision, Precision};
 
+/// Of loops that were cleaned.
+const UNCLOSED: &str = "with the angles as written, unrounded, the loops do not close or do not \
+     move; this is the answer for the cleaned robot";
+
 /// The dropped and the kept part of the spectrum must be this far apart, or the rank is
 /// doubtful: clean geometry shows 1e10 and more.
 const CLEAR_GAP: f64 = 1e6;
@@ -63,7 +67,10 @@ impl Diagnosis {
             (None, None) => return Vec::new(),
         };
         let near = self.literal.iter().flat_map(|literal| &literal.near_misses);
-        near.map(|near| near.warning(rank)).collect()
+        let near = near.map(|near| near.warning(rank));
+        let unclosed = self.literal.iter().filter(|literal| !literal.closes);
+        let unclosed = unclosed.map(|_| UNCLOSED.to_owned());
+        unclosed.chain(near).collect()
     }
 }
 
@@ -348,7 +355,7 @@ fn contradiction(witnesses: &[Witness], rank: usize) -> Option<String> {
     (seen != rank && witnesses.iter().all(clear)).then(|| {
         format!(
             "all float engines count {seen} instead of {rank}, with a clear gap: numbers of the \
-             description all but cancel, as 1.2 + 0.7707963267948966 - 0.4 is nearly pi/2"
+             description are rounded, as 1.57079632679 for pi/2, or all but cancel"
         )
     })
 }

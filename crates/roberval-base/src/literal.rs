@@ -9,9 +9,15 @@ use crate::{BaseError, ExactError, choose_exactly, decide_precisely};
 /// Groups of equal numbers that are tried one by one to find those to blame.
 const MOST_GROUPS: usize = 24;
 
+/// Numbers of a group that are tried one by one.
+const MOST_SUSPECTS: usize = 64;
+
 /// How the cleaned robot differs from the file as written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Literal {
+    /// Whether the robot as written has a rank: loops may close or move only without
+    /// roundings. If not, the ranks here are the cleaned robot's.
+    pub closes: bool,
     /// The structural rank of the file as written, every decimal taken exactly: what
     /// [`roberval_mechanism::CleanMode::Off`] decides.
     pub rank: usize,
@@ -51,18 +57,21 @@ pub(crate) fn literal(
     let Cleaning { written, cleaned } = cleaning.as_ref();
     let rank_of = |description: &RobotDescription| rank_of(description, model, seed);
     let mut found = Literal {
+        closes: true,
         rank,
         as_meant: rank,
         blame: Vec::new(),
         near_misses: near_misses(cleaned, rank_of)?,
     };
     if !cleaned.changes.is_empty() {
-        found.rank = rank_of(written)?;
+        let as_written = rank_of(written)?;
+        found.closes = as_written.is_some();
+        found.rank = as_written.unwrap_or(rank);
     }
     if found.rank != rank {
         let digits = cleaned.changes.iter().filter(|c| c.is_last_digit());
         let digits: Vec<Change> = digits.cloned().collect();
-        found.as_meant = rank_of(&apply(written, &digits))?;
+        found.as_meant = rank_of(&apply(written, &digits))?.unwrap_or(found.rank);
         found.blame = blame(written, &cleaned.changes, rank, found.rank, rank_of)?;
     }
     Ok(Some(found))
@@ -71,7 +80,7 @@ pub(crate) fn literal(
 /// What each group of near misses would change, and all of them.
 fn near_misses(
     cleaned: &Cleaned,
-    rank_of: impl Fn(&RobotDescription) -> Result<usize, BaseError>,
+    rank_of: impl Fn(&RobotDescription) -> Result<Option<usize>, BaseError>,
 ) -> Result<Vec<Blame>, BaseError> {
     let near = cleaned.near_misses.iter().map(|n| n.change.clone());
     let near: Vec<Change> = near.collect();
@@ -82,12 +91,31 @@ fn near_misses(
     }
     let blame = |group: &Vec<Change>| {
         let rank = rank_of(&apply(&cleaned.description, group))?;
-        Ok(Blame::of(group, rank))
+        Ok(rank.map(|rank| Blame::of(group, rank)))
     };
-    groups.iter().map(blame).collect()
+    groups
+        .iter()
+        .filter_map(|group| blame(group).transpose())
+        .collect()
 }
 
-fn rank_of(description: &RobotDescription, model: Model, seed: u64) -> Result<usize, BaseError> {
+/// `None` where loops do not close or do not move.
+fn rank_of(
+    description: &RobotDescription,
+    model: Model,
+    seed: u64,
+) -> Result<Option<usize>, BaseError> {
+    match decided_rank(description, model, seed) {
+        Err(_) if !description.loops.is_empty() => Ok(None),
+        decided => decided.map(Some),
+    }
+}
+
+fn decided_rank(
+    description: &RobotDescription,
+    model: Model,
+    seed: u64,
+) -> Result<usize, BaseError> {
     let mechanism = Mechanism::new(description)?;
     let order: Vec<usize> = (0..mechanism.parameters().len()).collect();
     let kept = match choose_exactly(&mechanism, model, &order, seed) {
@@ -99,32 +127,49 @@ fn rank_of(description: &RobotDescription, model: Model, seed: u64) -> Result<us
     Ok(kept.len())
 }
 
-/// The groups that alone make a difference; all, if none does.
+/// The groups that alone make a difference (all together, if none does), without those of
+/// their numbers that have no part in it.
 fn blame(
     written: &RobotDescription,
     changes: &[Change],
     rank: usize,
     literal: usize,
-    rank_of: impl Fn(&RobotDescription) -> Result<usize, BaseError>,
+    rank_of: impl Fn(&RobotDescription) -> Result<Option<usize>, BaseError>,
 ) -> Result<Vec<Blame>, BaseError> {
+    let as_written = |left: &[Change]| {
+        let others = changes.iter().filter(|c| !left.contains(c));
+        let others: Vec<Change> = others.cloned().collect();
+        rank_of(&apply(written, &others))
+    };
     let mut groups = groups(changes);
     groups.sort_by(|a, b| b[0].size.total_cmp(&a[0].size));
     let mut blame = Vec::new();
     for group in groups.iter().take(MOST_GROUPS) {
-        let others: Vec<Change> = changes
-            .iter()
-            .filter(|c| !group.contains(c))
-            .cloned()
-            .collect();
-        let without = rank_of(&apply(written, &others))?;
-        if without != rank {
-            blame.push(Blame::of(group, without));
+        if let Some(without) = as_written(group)?.filter(|&without| without != rank) {
+            blame.push(Blame::of(&guilty(group, without, as_written)?, without));
         }
     }
     if blame.is_empty() {
-        blame.push(Blame::of(&groups.concat(), literal));
+        let all = groups.concat();
+        blame.push(Blame::of(&guilty(&all, literal, as_written)?, literal));
     }
     Ok(blame)
+}
+
+/// The numbers without which those left as written do not bring this rank.
+fn guilty(
+    group: &[Change],
+    rank: usize,
+    as_written: impl Fn(&[Change]) -> Result<Option<usize>, BaseError>,
+) -> Result<Vec<Change>, BaseError> {
+    let mut guilty = group.to_vec();
+    for suspect in group.iter().rev().take(MOST_SUSPECTS) {
+        let rest: Vec<Change> = guilty.iter().filter(|c| *c != suspect).cloned().collect();
+        if !rest.is_empty() && as_written(&rest)? == Some(rank) {
+            guilty = rest;
+        }
+    }
+    Ok(guilty)
 }
 
 /// Changes of numbers that are written alike, up to the sign: most of them together

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::document::{Block, Document, Item, Table};
 use crate::escape;
 use crate::number::shortest;
-use crate::relation::{Group, Label, Sum};
+use crate::relation::{Group, Label, Sum, Surd};
 
 /// The document as LaTeX.
 pub(crate) fn render(document: &Document) -> String {
@@ -124,8 +124,22 @@ pub(crate) fn members(members: &[Label]) -> String {
 fn term(group: &Group) -> String {
     let sign = if group.coefficient < 0.0 { '-' } else { '+' };
     let members = members(&group.members);
-    match group.coefficient.abs() {
-        1.0 => format!(" {sign} {members}"),
-        x => format!(" {sign} {}\\,{members}", power_of_ten(&shortest(x))),
+    match (&group.exact, group.coefficient.abs()) {
+        (Some(exact), _) => format!(" {sign} {}\\,{members}", surd(exact)),
+        (None, 1.0) => format!(" {sign} {members}"),
+        (None, x) => format!(" {sign} {}\\,{members}", power_of_ten(&shortest(x))),
+    }
+}
+
+/// `\tfrac{2}{9}`, `\tfrac{\sqrt{2}}{3}`
+fn surd(exact: &Surd) -> String {
+    let above = match (&exact.root, exact.above.as_str()) {
+        (None, above) => above.to_owned(),
+        (Some(n), "1") => format!("\\sqrt{{{n}}}"),
+        (Some(n), above) => format!("{above}\\sqrt{{{n}}}"),
+    };
+    match &exact.below {
+        Some(below) => format!("\\tfrac{{{above}}}{{{below}}}"),
+        None => above,
     }
 }

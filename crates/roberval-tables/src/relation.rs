@@ -3,7 +3,7 @@
 
 use std::cmp::Reverse;
 
-use roberval_base::{BaseParameters, Relation};
+use roberval_base::{BaseParameters, ExactNumber, Relation};
 use roberval_mechanism::ParameterKind;
 
 use crate::escape;
@@ -48,7 +48,69 @@ impl Label {
 pub(crate) struct Group {
     /// Rounded for display.
     pub coefficient: f64,
+    /// Its size exactly, where that says more than the decimal.
+    pub exact: Option<Surd>,
     pub members: Vec<Label>,
+}
+
+/// A fraction times a root: `2/9`, `1/3 sqrt(2)`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Surd {
+    pub above: String,
+    pub below: Option<String>,
+    pub root: Option<String>,
+}
+
+impl Surd {
+    /// The size of a number whose decimal is long and whose exact form is not.
+    pub fn of(number: &str, decimal: &str) -> Option<Self> {
+        /// Decimals of more characters are fractions or roots, most likely.
+        const SHORT: usize = 9;
+        /// Longer fractions say less than their decimals.
+        const LONGEST: usize = 12;
+        let number = number.trim_start_matches('-');
+        let (fraction, root) = match number.split_once(" sqrt(") {
+            Some((fraction, root)) => (fraction, Some(root.trim_end_matches(')').to_owned())),
+            None => (number, None),
+        };
+        let sum = number.contains(" + ") || number.contains(" - ");
+        if decimal.len() <= SHORT || sum || fraction.len() > LONGEST {
+            return None;
+        }
+        let (above, below) = match fraction.split_once('/') {
+            Some((above, below)) => (above, Some(below.to_owned())),
+            None => (fraction, None),
+        };
+        Some(Self {
+            above: above.to_owned(),
+            below,
+            root,
+        })
+    }
+
+    /// `2/9`, `sqrt(2)/3`, `3 sqrt(2)`
+    pub fn text(&self) -> String {
+        let below = self
+            .below
+            .as_ref()
+            .map_or(String::new(), |b| format!("/{b}"));
+        match (&self.root, self.above.as_str()) {
+            (None, above) => format!("{above}{below}"),
+            (Some(n), "1") => format!("sqrt({n}){below}"),
+            (Some(n), above) => format!("{above} sqrt({n}){below}"),
+        }
+    }
+}
+
+impl Group {
+    /// The size of the coefficient in text; nothing for 1.
+    pub fn factor(&self) -> String {
+        match (&self.exact, self.coefficient.abs()) {
+            (Some(exact), _) => exact.text(),
+            (None, 1.0) => String::new(),
+            (None, x) => shortest(x),
+        }
+    }
 }
 
 /// `left = first + groups`.
@@ -74,7 +136,7 @@ impl Sum {
         Self {
             left: Label::of_base(answer, relation.base),
             first: Label::of(answer, relation.base),
-            groups: groups(answer, &relation.terms),
+            groups: groups(answer, relation),
         }
     }
 
@@ -82,10 +144,7 @@ impl Sum {
     pub fn pieces(&self) -> Vec<String> {
         let terms = self.groups.iter().map(|group| Term {
             negative: group.coefficient < 0.0,
-            factor: match group.coefficient.abs() {
-                1.0 => String::new(),
-                x => shortest(x),
-            },
+            factor: group.factor(),
             members: &group.members,
         });
         pieces(&self.left, &self.first, terms)
@@ -131,9 +190,15 @@ pub(crate) fn pieces<'a>(
 /// Terms by kind in the paper's order; in a kind those of equal coefficient together, the
 /// largest group first, else by link. Terms with coefficient 1 or -1 need no bracket and
 /// stand alone.
-fn groups(answer: &BaseParameters, terms: &[(usize, f64)]) -> Vec<Group> {
+fn groups(answer: &BaseParameters, relation: &Relation) -> Vec<Group> {
+    let row = answer.base.iter().position(|&base| base == relation.base);
+    let exact = |column: usize| -> Option<&ExactNumber> {
+        let place = answer.regrouped.iter().position(|&x| x == column)?;
+        let number = answer.beta_exact.as_ref()?.get(row?)?.get(place)?;
+        number.is_exact().then_some(number)
+    };
     let mut groups: Vec<Group> = Vec::new();
-    for &(column, coefficient) in terms {
+    for &(column, coefficient) in &relation.terms {
         let (member, coefficient) = (Label::of(answer, column), rounded(coefficient));
         let same = groups.iter_mut().find(|group| {
             group.coefficient == coefficient
@@ -144,10 +209,35 @@ fn groups(answer: &BaseParameters, terms: &[(usize, f64)]) -> Vec<Group> {
             Some(group) => group.members.push(member),
             None => groups.push(Group {
                 coefficient,
+                exact: exact(column)
+                    .and_then(|number| Surd::of(&number.to_string(), &shortest(coefficient.abs()))),
                 members: vec![member],
             }),
         }
     }
     groups.sort_by_key(|group| (group.members[0].kind, Reverse(group.members.len())));
     groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_decimals_are_short_fractions_and_roots_where_these_are_known() {
+        let text = |number, decimal| Surd::of(number, decimal).map(|exact| exact.text());
+        assert_eq!(text("-2/9", "0.222222222222").as_deref(), Some("2/9"));
+        assert_eq!(
+            text("1/3 sqrt(2)", "0.471404520791").as_deref(),
+            Some("sqrt(2)/3")
+        );
+        assert_eq!(
+            text("3/2 sqrt(3)", "2.59807621135").as_deref(),
+            Some("3 sqrt(3)/2")
+        );
+        assert_eq!(text("363/1250", "0.2904"), None);
+        assert_eq!(text("1/2 + 3/4 sqrt(2)", "1.56066017178"), None);
+        assert_eq!(text("123456789/1234567890123", "0.0001"), None);
+        assert_eq!(text("123456789/1234567890123", "0.000100000000"), None);
+    }
 }

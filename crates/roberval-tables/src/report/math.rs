@@ -1,18 +1,15 @@
 //! The relations, typeset by the browser itself (MathML).
 
-use std::collections::HashMap;
-
-use roberval_base::{BaseParameters, ExactNumber};
+use roberval_base::BaseParameters;
 
 use super::html::text;
 use crate::escape::plain;
 use crate::number::shortest;
-use crate::relation::{self, Label, Sum};
+use crate::relation::{self, Label, Sum, Surd};
 
 pub(super) fn section(answer: &BaseParameters) -> String {
     let sums = relation::of(answer);
-    let exact = Coefficients::of(answer);
-    let lines: Vec<String> = sums.iter().map(|sum| relation(&exact, sum)).collect();
+    let lines: Vec<String> = sums.iter().map(relation).collect();
     let tally = answer.tally();
     let lead = match (tally.regrouped_into, tally.unchanged) {
         (0, _) => "Nothing regroups: every base parameter is a standard parameter.".to_owned(),
@@ -33,12 +30,14 @@ pub(super) fn section(answer: &BaseParameters) -> String {
 const PLUS: &str = " +\u{a0}";
 const MINUS: &str = " \u{2212}\u{a0}";
 
+const SPACE: &str = "<mspace width=\"0.17em\"/>";
+
 /// Of a sum with more members than this, a humanoid's masses, those after the first are written
 /// without MathML, which is five times as long and looks the same.
 const MOST: usize = 8;
 
 /// One relation; a line may break between its terms.
-fn relation(exact: &Coefficients<'_>, sum: &Sum) -> String {
+fn relation(sum: &Sum) -> String {
     let mut line = math(&format!(
         "{}<mo>=</mo>{}",
         label(&sum.left),
@@ -46,12 +45,10 @@ fn relation(exact: &Coefficients<'_>, sum: &Sum) -> String {
     ));
     for group in &sum.groups {
         let minus = group.coefficient < 0.0;
-        let factor = match group.coefficient.abs() {
-            1.0 => String::new(),
-            x => {
-                let number = coefficient(exact.get(sum, &group.members[0]), x);
-                number + "<mspace width=\"0.17em\"/>"
-            }
+        let factor = match (&group.exact, group.coefficient.abs()) {
+            (Some(exact), _) => typeset(exact) + SPACE,
+            (None, 1.0) => String::new(),
+            (None, x) => format!("<mn>{}</mn>{SPACE}", shortest(x)),
         };
         let last = group.members.len() - 1;
         for (i, member) in group.members.iter().enumerate() {
@@ -98,70 +95,17 @@ fn light(label: &Label) -> String {
     format!("{}<sub>{link}</sub>", label.kind)
 }
 
-/// A factor: a decimal where it is short, else the exact fraction or root where known.
-fn coefficient(exact: Option<&ExactNumber>, x: f64) -> String {
-    /// Decimals of more characters are fractions or roots, most likely.
-    const SHORT: usize = 9;
-    let decimal = shortest(x);
-    if decimal.len() <= SHORT {
-        return format!("<mn>{decimal}</mn>");
-    }
-    let exact = exact.and_then(|number| typeset(&number.to_string()));
-    exact.unwrap_or_else(|| format!("<mn>{decimal}</mn>"))
-}
-
-/// Where the exact coefficients stand.
-struct Coefficients<'a> {
-    beta: Option<&'a Vec<Vec<ExactNumber>>>,
-    rows: HashMap<String, usize>,
-    columns: HashMap<String, usize>,
-}
-
-impl<'a> Coefficients<'a> {
-    fn of(answer: &'a BaseParameters) -> Self {
-        let places = |columns: &[usize]| {
-            let key = |(i, &column)| (Label::of(answer, column).text(), i);
-            columns.iter().enumerate().map(key).collect()
-        };
-        Self {
-            beta: answer.beta_exact.as_ref(),
-            rows: places(&answer.base),
-            columns: places(&answer.regrouped),
-        }
-    }
-
-    /// The exact coefficient of a term, where there is one.
-    fn get(&self, sum: &Sum, member: &Label) -> Option<&ExactNumber> {
-        let row = self.beta?.get(*self.rows.get(&sum.first.text())?)?;
-        let number = row.get(*self.columns.get(&member.text())?)?;
-        number.is_exact().then_some(number)
-    }
-}
-
-/// The size of `1/2`, `-3/4 sqrt(2)` and the like; sums and long fractions stay decimals.
-fn typeset(number: &str) -> Option<String> {
-    /// Longer fractions say less than their decimals.
-    const LONGEST: usize = 12;
-    let number = number.trim_start_matches('-');
-    if number.len() > LONGEST + "sqrt()".len() || number.contains(" + ") || number.contains(" - ") {
-        return None;
-    }
-    let (fraction, root) = match number.split_once(" sqrt(") {
-        Some((fraction, root)) => (fraction, Some(root.trim_end_matches(')'))),
-        None => (number, None),
-    };
-    if fraction.len() > LONGEST {
-        return None;
-    }
+fn typeset(exact: &Surd) -> String {
+    let root = exact.root.as_ref();
     let root = root.map_or(String::new(), |n| format!("<msqrt><mn>{n}</mn></msqrt>"));
-    Some(match fraction.split_once('/') {
-        Some(("1", below)) if !root.is_empty() => {
-            format!("<mfrac>{root}<mn>{below}</mn></mfrac>")
-        }
-        Some((above, below)) => format!("<mfrac><mn>{above}</mn><mn>{below}</mn></mfrac>{root}"),
-        None if fraction == "1" => root,
-        None => format!("<mn>{fraction}</mn>{root}"),
-    })
+    let above = match exact.above.as_str() {
+        "1" if !root.is_empty() => root,
+        above => format!("<mn>{above}</mn>{root}"),
+    };
+    match &exact.below {
+        Some(below) => format!("<mfrac><mrow>{above}</mrow><mn>{below}</mn></mfrac>"),
+        None => above,
+    }
 }
 
 #[cfg(test)]
@@ -169,16 +113,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn fractions_and_roots_are_typeset_and_long_numbers_left() {
+    fn fractions_and_roots_are_typeset() {
+        let typeset = |number| Surd::of(number, "0.333333333333").map(|s| typeset(&s));
+        let fraction = "<mfrac><mrow><mn>1</mn></mrow><mn>3</mn></mfrac>";
+        assert_eq!(typeset("-1/3").as_deref(), Some(fraction));
+        let root = "<mfrac><mrow><msqrt><mn>3</mn></msqrt></mrow><mn>2</mn></mfrac>";
+        assert_eq!(typeset("1/2 sqrt(3)").as_deref(), Some(root));
         assert_eq!(
-            typeset("-1/3").as_deref(),
-            Some("<mfrac><mn>1</mn><mn>3</mn></mfrac>")
+            typeset("7 sqrt(2)").as_deref(),
+            Some("<mn>7</mn><msqrt><mn>2</mn></msqrt>")
         );
-        assert_eq!(
-            typeset("1/2 sqrt(3)").as_deref(),
-            Some("<mfrac><msqrt><mn>3</mn></msqrt><mn>2</mn></mfrac>")
-        );
-        assert_eq!(typeset("1/2 + 3/4 sqrt(2)"), None);
-        assert_eq!(typeset("123456789/1234567890123"), None);
     }
 }
