@@ -161,6 +161,17 @@ def test_rounded_angles_are_set_right_and_told() -> None:
     assert "pi/2" in robot.to_toml(cleaned=True)
 
 
+def test_only_numbers_that_matter_are_blamed() -> None:
+    link = '[[link]]\nname = "{}"\nxyz = [0.1, 0.2, 0.3]\nrpy = [{}, 0, {}]\n'
+    about_gravity = link.format("turned", 0, 1.5708)
+    text = about_gravity + link.format("tilted", 1.5708, 0) + link.format("last", "0.5", 0)
+    with pytest.warns(rv.RobotWarning, match="17 base parameters instead of 16"):
+        literal = rv.Robot.from_toml(text).base_parameters().diagnosis.literal
+    assert literal is not None
+    (blame,) = literal.blame
+    assert blame.what == "tilted rpy[0] = 1.5708 is 3.7e-6 rad from pi/2"
+
+
 def test_a_robot_taken_as_written_is_another_robot() -> None:
     written = rv.Robot.from_mdh(ROUNDED, snap="off")
     assert written.changes == ()

@@ -173,14 +173,14 @@ def test_after_ctrl_c_nothing_goes_on_computing() -> None:
 
 
 def test_ctrl_c_is_seen_between_blocks(puma: rv.Robot) -> None:
-    count = 40_000  # some 15 blocks, tens of milliseconds
+    count = 100_000  # some hundred milliseconds on one thread
     q = np.zeros((count, 6))
     out = np.full((count, 6, 66), np.nan)
     timer = threading.Timer(0.005, lambda: signal.raise_signal(signal.SIGINT))
 
     def call() -> None:
         timer.start()
-        puma.regressor(q, q, q, out=out)
+        puma.regressor(q, q, q, out=out, threads=1)
         timer.join()
 
     with pytest.raises(KeyboardInterrupt):

@@ -4,7 +4,7 @@ use roberval_base::{
     BaseParameters, CertificateError, Engine, LoopForm, Options, Samples, base_parameters,
 };
 use roberval_formats::parse_toml;
-use roberval_mechanism::{Assembly, Mechanism, MechanismError};
+use roberval_mechanism::{Assembly, CleanPolicy, Mechanism, MechanismError};
 use roberval_regressor::{Model, Regressor, States};
 use roberval_scalar::SplitMix64;
 
@@ -493,4 +493,34 @@ fn last_row(
     let mut rows = vec![0.0; (k + 2) * size];
     regressor.fill(model, states, &mut rows).expect("closed");
     rows.split_off((k + 1) * size)
+}
+
+#[test]
+fn loops_that_close_only_without_roundings_are_those_of_the_cleaned_robot() {
+    let turned = |angle: &str| {
+        format!(
+            "gravity = [0, -9.81, 0]\n\
+             [[link]]\nname = \"c\"\nantecedent = \"base\"\nxyz = [0, 0, 0]\nrpy = [0, {angle}, 0]\n\
+             [[link]]\nname = \"k\"\nxyz = [0.3, 0, 0]\nrpy = [0, 0, 0]\nactive = false\n\
+             [[link]]\nname = \"o\"\nantecedent = \"base\"\nxyz = [0, 0, -1]\n\
+             rpy = [0, {angle}, 0]\nactive = false\n\
+             [[loop]]\nbetween = [\"k\", \"o\"]\nat = [[0.9, 0, 0], [0.7, 0, 0]]\n\
+             cut = \"revolute\"\nnear = {{ c = 1, k = 0, o = 1 }}\n"
+        )
+    };
+    let decided = |angle: &str| {
+        let description = parse_toml(&turned(angle), "loop.toml").unwrap();
+        let cleaned = Mechanism::cleaned(&description, &CleanPolicy::default()).unwrap();
+        answer(&cleaned, Model::D, Engine::Exact, 1)
+    };
+    let exact = decided("\"90 deg\"");
+    assert!(exact.diagnosis.literal.is_none_or(|l| l.closes));
+    for angle in ["1.5707963267948966", "1.5708"] {
+        let rounded = decided(angle);
+        assert_eq!(rounded.base, exact.base, "{angle}");
+        assert!(
+            rounded.diagnosis.literal.is_some_and(|l| !l.closes),
+            "{angle}"
+        );
+    }
 }

@@ -21,9 +21,10 @@ pub(crate) fn lines(mechanism: &Mechanism) -> Vec<String> {
     let couples = &mechanism.description.couples;
     let couples: Vec<String> = couples.iter().map(|c| equation(mechanism, c)).collect();
     let mut lines = vec![format!(
-        "{} of {} joints are independent: {}",
+        "{} of {} joints {} independent: {}",
         names.len(),
         mechanism.moving().filter(|l| l.joint.has_axis()).count(),
+        if names.len() == 1 { "is" } else { "are" },
         shortened(&names)
     )];
     if !couples.is_empty() {
