@@ -49,6 +49,14 @@ pub fn run(
         Err(error) if error.use_stderr() => {
             // Nobody is left to tell if even this cannot be written.
             let _ = write!(err, "{}", error.render());
+            let refused = error.get(clap::error::ContextKind::InvalidValue);
+            if refused.is_some_and(|value| value.to_string() == "sympy") {
+                say(
+                    err,
+                    "note",
+                    "base --symbolic --sympy FILE writes a module for SymPy",
+                );
+            }
             return BAD_INPUT;
         }
         Err(help) => write!(out, "{}", help.render())

@@ -58,6 +58,84 @@ fn relations_in_symbols_have_all_forms() {
     );
 }
 
+/// The third axis stands at a difference of two lengths from the second.
+const DIFFERENCE: &str = r#"name = "difference"
+[constants]
+L = 0.5
+M = 0.2
+[[link]]
+name = "1"
+alpha = 0
+d = 0
+theta = 0
+r = 0
+[[link]]
+name = "2"
+alpha = "90 deg"
+d = 0
+theta = 0
+r = 0
+[[link]]
+name = "3"
+alpha = 0
+d = "L - M"
+theta = 0
+r = 0
+"#;
+
+/// Powers beyond those that are looked for stay open; the module defines what stands for them.
+#[test]
+fn the_sympy_module_of_an_open_coefficient_defines_f() {
+    let folder = Folder::new("open");
+    let (file, module) = (folder.path("open.toml"), folder.path("open.py"));
+    let high = ["L"; 13].join("*");
+    std::fs::write(&file, DIFFERENCE.replace("L - M", &high)).expect("written");
+    let run = roberval(&["base", &file, "--symbolic", "--sympy", &module]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let text = std::fs::read_to_string(&module).expect("written");
+    assert!(text.contains("*M_3") && text.contains("f(L)"), "{text}");
+    assert!(text.starts_with("from sympy import Function, "), "{text}");
+    assert!(text.contains("\nf = Function(\"f\")"), "{text}");
+}
+
+#[test]
+fn minus_a_square_has_one_sign() {
+    let folder = Folder::new("square");
+    let file = folder.path("square.toml");
+    std::fs::write(&file, DIFFERENCE).expect("written");
+    for format in ["table", "latex"] {
+        let run = roberval(&["base", &file, "--symbolic", "--format", format]);
+        assert_eq!(run.code, 0, "{}", run.err);
+        assert!(!run.out.contains("+ -"), "{}", run.out);
+    }
+    let run = roberval(&["base", &file, "--symbolic"]);
+    assert!(run.out.contains("- (L - M)^2 M_3"), "{}", run.out);
+}
+
+#[test]
+fn csv_is_csv() {
+    let run = roberval(&["base", "puma560", "--symbolic", "--format", "csv"]);
+    let mut lines = run.out.lines();
+    assert_eq!(lines.next(), Some("base,parameter,sign,coefficient"));
+    assert!(
+        lines.all(|line| line.split(',').count() == 4),
+        "{}",
+        run.out
+    );
+    assert!(run.out.contains("\nXZ_2,M_3,-1,D3*R3\n"), "{}", run.out);
+    let run = roberval(&["code", "puma560", "--counts", "--format", "csv"]);
+    assert!(
+        run.out.starts_with("part,link,standard_mul,"),
+        "{}",
+        run.out
+    );
+    assert!(
+        run.out.lines().all(|line| line.split(',').count() == 8),
+        "{}",
+        run.out
+    );
+}
+
 #[test]
 fn code_goes_to_its_file_and_its_cost_is_told() {
     let folder = Folder::new("code");
@@ -119,6 +197,10 @@ fn bad_requests_are_told() {
             "friction is a part of tau only",
         ),
         (&["base", "puma560", "--sympy", "x.py"], "--symbolic"),
+        (
+            &["base", "puma560", "--symbolic", "--format", "sympy"],
+            "--sympy FILE",
+        ),
         (
             &["base", "puma560", "--symbolic", "--report", "x.html"],
             "--report",

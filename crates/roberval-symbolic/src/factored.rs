@@ -14,7 +14,7 @@ use crate::relations::Coefficient;
 use squares::with_squares;
 
 /// Python's keywords, and what the SymPy module defines.
-const TAKEN: [&str; 40] = [
+const TAKEN: [&str; 42] = [
     "False",
     "None",
     "True",
@@ -50,8 +50,10 @@ const TAKEN: [&str; 40] = [
     "while",
     "with",
     "yield",
+    "Function",
     "Rational",
     "cos",
+    "f",
     "sin",
     "symbols",
     "relations",
@@ -103,7 +105,7 @@ impl Factored {
         let polynomial = shortest(numerator, variables);
         let common = common_monomial(&polynomial);
         let number = content(&polynomial);
-        let negative = polynomial.terms.values().all(Signed::is_negative);
+        let negative = is_subtracted(&polynomial);
         let named = |monomial: &[u8]| -> Vec<(Variable, u8)> {
             let with = variables.iter().cloned().zip(monomial.iter().copied());
             with.filter(|(_, e)| *e > 0).collect()
@@ -321,6 +323,14 @@ fn shortest(polynomial: &Polynomial, variables: &[Variable]) -> Polynomial {
 fn written_terms(polynomial: &Polynomial) -> usize {
     let (squares, others) = with_squares(whole_terms(polynomial));
     squares.len() + others.len()
+}
+
+/// Whether it reads best with a minus before it: all terms are negative, or it is minus a
+/// square.
+fn is_subtracted(polynomial: &Polynomial) -> bool {
+    polynomial.terms.values().all(Signed::is_negative)
+        || matches!(&with_squares(whole_terms(polynomial)),
+            (squares, others) if others.is_empty() && squares.iter().all(|(c, _)| c.is_negative()))
 }
 
 /// The terms over their common number and monomial.

@@ -20,10 +20,8 @@ pub(crate) struct Shape {
     pub locals: Vec<Local>,
     /// Number of lengths, the first of the variables.
     pub lengths: usize,
-    /// The degree of numerator less denominator in the lengths together.
-    pub degree: i16,
-    /// Whether all terms have that degree, or less.
-    pub homogeneous: bool,
+    /// The degrees in the lengths together that terms above may have.
+    pub degrees: Vec<i16>,
 }
 
 impl Shape {
@@ -35,9 +33,8 @@ impl Shape {
 
     /// The monomials that may stand above it; `None` if there are too many.
     pub fn above(&self, below: &Monomial) -> Option<Vec<Monomial>> {
-        let degree =
-            |m: &Monomial| -> i16 { m[..self.lengths].iter().map(|&e| i16::from(e)).sum() };
-        let highest = self.degree + degree(below);
+        let degree = |m: &Monomial| total_degree(m, self.lengths);
+        let highest = self.degrees.iter().copied().max()?;
         let mut all = vec![vec![0; below.len()]];
         for local in &self.locals {
             let mut next = Vec::new();
@@ -50,9 +47,14 @@ impl Shape {
             }
             all = next;
         }
-        all.retain(|m| !self.homogeneous || degree(m) == highest);
+        all.retain(|m| self.degrees.contains(&degree(m)));
         (all.len() <= MOST_MONOMIALS).then_some(all)
     }
+}
+
+/// The degree of a monomial in the lengths, the first of the variables, together.
+pub(crate) fn total_degree(monomial: &Monomial, lengths: usize) -> i16 {
+    monomial[..lengths].iter().map(|&e| i16::from(e)).sum()
 }
 
 fn product(a: &Monomial, b: &Monomial) -> Monomial {

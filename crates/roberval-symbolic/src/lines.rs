@@ -13,14 +13,16 @@ use crate::interpolation::{CHECKS, coefficients};
 use crate::naming::SymbolKind;
 use crate::polynomial::{Monomial, power};
 
-/// The highest power of one length above, where none is below.
+/// The highest power above, where none is below, of a constant that is a length.
 const HIGHEST_LENGTH_DEGREE: u8 = 3;
 
 /// An angle that stands in many places is taken to enter with this degree at most.
 const HIGHEST_ANGLE_DEGREE: usize = 6;
 
-/// What may stand below: powers of a length; of a cosine and a sine.
-const BELOW_LENGTH: [u8; 3] = [0, 1, 2];
+/// The highest power below of a constant that is a length.
+const HIGHEST_LENGTH_BELOW: u8 = 2;
+
+/// What may stand below: powers of a cosine and a sine.
 const BELOW_ANGLE: [[u8; 2]; 7] = [[0, 0], [1, 0], [0, 1], [1, 1], [2, 0], [0, 2], [2, 2]];
 
 /// An entry as a function of one symbol: a sum of these monomials, with coefficients that
@@ -121,14 +123,17 @@ impl<'a, 'm> Line<'a, 'm> {
         match symbol.kind {
             SymbolKind::Length => {
                 let at = before(SymbolKind::Length);
+                // Where `L^2` is a length all powers are twice as high.
+                let highest = symbol.degree.saturating_mul(HIGHEST_LENGTH_DEGREE);
+                let below = symbol.degree.saturating_mul(HIGHEST_LENGTH_BELOW);
                 let candidate = |e: u8| {
-                    let above = 0..=HIGHEST_LENGTH_DEGREE + e;
+                    let above = 0..=highest.saturating_add(e);
                     (
                         above.map(|e| monomial(at, &[e])).collect(),
                         monomial(at, &[e]),
                     )
                 };
-                BELOW_LENGTH.map(candidate).to_vec()
+                (0..=below).map(candidate).collect()
             }
             SymbolKind::Angle => {
                 let at = lengths + 2 * before(SymbolKind::Angle);

@@ -5,6 +5,9 @@ use roberval_mechanism::{Geometry, RobotDescription};
 use roberval_regressor::whole_multiple;
 use roberval_scalar::{Expr, LinearInPi, Quantity};
 
+/// Higher powers of a constant in one length are not looked for.
+const MOST_DEGREE: usize = 8;
+
 /// Which constants become symbols.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Naming {
@@ -35,6 +38,8 @@ pub struct Symbol {
     pub given: Quantity,
     /// How often it stands in the geometry.
     pub uses: usize,
+    /// The highest power in which it enters one of its places: 2 in a length `L^2`.
+    pub degree: u8,
     /// Whether the name was made for it.
     pub made: bool,
 }
@@ -74,6 +79,25 @@ impl Named {
         named
     }
 
+    /// A bound of the degree of the position of any frame in the symbols that are lengths,
+    /// over one denominator, numerator and denominator.
+    #[must_use]
+    pub fn degree(&self) -> usize {
+        let symbol = |name: &str| {
+            let mut lengths = self.symbols.iter();
+            lengths.any(|s| s.kind == SymbolKind::Length && s.name == name)
+        };
+        let mut description = self.description.clone();
+        let constants = description.constants.clone();
+        let places = places(&mut description).into_iter();
+        let lengths = places.filter(|(place, _)| *place == Place::Length);
+        let all = lengths.map(|(_, q)| degrees(&q.expr, &constants, &symbol));
+        let (highest, below) = all.fold((1, 0), |(highest, sum), (above, below)| {
+            (above.max(highest), sum + below)
+        });
+        highest + below
+    }
+
     /// Takes the file's constants that are plain numbers and stand in the geometry.
     fn take_constants(&mut self) {
         let constants = self.description.constants.clone();
@@ -101,7 +125,7 @@ impl Named {
                         whole_multiple(&q.expr, &constants, name).is_some()
                     };
                     match (right, places.iter().all(whole)) {
-                        (true, _) => Err("is a right angle"),
+                        (true, _) => Err("is a right angle; other values of it are not asked"),
                         (_, false) => Err("is not taken a whole number of times"),
                         _ => Ok(SymbolKind::Angle),
                     }
@@ -114,6 +138,14 @@ impl Named {
                     kind,
                     given: given.clone(),
                     uses: places.len(),
+                    degree: {
+                        let own = |other: &str| other == name;
+                        let degrees = places.iter().map(|(_, q)| {
+                            let (above, below) = degrees(&q.expr, &constants, &own);
+                            above.max(below)
+                        });
+                        degrees.max().unwrap_or(1).min(MOST_DEGREE) as u8
+                    },
                     made: false,
                 }),
                 Err(why) => self.notes.push(format!("{name} stays a number: it {why}")),
@@ -153,6 +185,7 @@ impl Named {
                     },
                     given: quantity.clone(),
                     uses: 1,
+                    degree: 1,
                     made: true,
                 });
                 *quantity = Quantity {
@@ -264,6 +297,36 @@ fn under_root(expr: &Expr, constants: &[(String, Quantity)], name: &str) -> bool
         }
         _ => false,
     })
+}
+
+/// Degrees of an expression, above and below, in the constants that are symbols.
+fn degrees(
+    expr: &Expr,
+    constants: &[(String, Quantity)],
+    symbol: &dyn Fn(&str) -> bool,
+) -> (usize, usize) {
+    let of = |inner: &Expr| degrees(inner, constants, symbol);
+    match expr {
+        Expr::Number(_) | Expr::Pi => (0, 0),
+        Expr::Name(name) if symbol(name) => (1, 0),
+        Expr::Name(name) => match constants.iter().position(|(n, _)| n == name) {
+            Some(at) => degrees(&constants[at].1.expr, &constants[..at], symbol),
+            None => (0, 0),
+        },
+        Expr::Neg(a) | Expr::Sqrt(a) => of(a),
+        Expr::Add(a, b) | Expr::Sub(a, b) => {
+            let ((a, below_a), (b, below_b)) = (of(a), of(b));
+            ((a + below_b).max(b + below_a), below_a + below_b)
+        }
+        Expr::Mul(a, b) => {
+            let ((a, below_a), (b, below_b)) = (of(a), of(b));
+            (a + b, below_a + below_b)
+        }
+        Expr::Div(a, b) => {
+            let ((a, below_a), (b, below_b)) = (of(a), of(b));
+            (a + below_b, below_a + b)
+        }
+    }
 }
 
 /// Whether a part of an expression is such.

@@ -8,7 +8,7 @@ use roberval_regressor::{AngleOrder, NotInField};
 use roberval_scalar::{Fp, Modulus, SplitMix64};
 
 use crate::field::{Answer, Oracle, Value};
-use crate::interpolation::{CHECKS, Shape, interpolate};
+use crate::interpolation::{CHECKS, Shape, coefficients, interpolate, total_degree};
 use crate::lines::{Line, Local};
 use crate::naming::{Named, Naming, Symbol, SymbolKind};
 use crate::polynomial::{Monomial, Polynomial, Variable, power};
@@ -277,20 +277,22 @@ impl<'a, 'm> Samples<'a, 'm> {
         let lengths = symbols.iter().filter(|s| s.kind == SymbolKind::Length);
         let lengths = lengths.count();
         let looks = |(k, &(i, j)): (usize, &Place)| {
+            let unit = homogeneous[k].then(|| self.degree(i, j));
             let locals = along.iter().map(|line| line[k].clone());
             let matters = |l: &Option<Local>| !l.as_ref().is_some_and(Local::is_constant);
             let (depends, locals): (Vec<usize>, Vec<Option<Local>>) =
                 locals.enumerate().filter(|(_, l)| matters(l)).unzip();
             let shape = locals.into_iter().collect::<Option<Vec<_>>>();
             let shape = shape.map(|locals| Shape {
+                degrees: unit.into_iter().collect(),
                 locals,
                 lengths,
-                degree: self.degree(i, j),
-                homogeneous: homogeneous[k],
             });
             ((i, j), (shape, depends))
         };
-        Ok(entries.iter().enumerate().map(looks).collect())
+        let mut all: Vec<(Place, Looks)> = entries.iter().enumerate().map(looks).collect();
+        self.find_degrees(&mut all, random)?;
+        Ok(all)
     }
 
     /// For each entry, whether it grows with all lengths together as its unit says.
@@ -299,8 +301,30 @@ impl<'a, 'm> Samples<'a, 'm> {
         entries: &[Place],
         random: &mut SplitMix64,
     ) -> Result<Vec<bool>, NotInField> {
-        let (modulus, symbols) = (self.modulus, &self.oracle.named.symbols);
+        let modulus = self.modulus;
         let factor = modulus.random(random);
+        let Some((factor, answer)) = self.grown(factor, random)? else {
+            return Ok(vec![false; entries.len()]);
+        };
+        let as_unit = |&(i, j): &Place| {
+            let [before, after] = [&self.first, &answer].map(|a| modulus.element(a.beta[i][j]));
+            let power = factor.pow(self.degree(i, j).unsigned_abs().into());
+            match self.degree(i, j) >= 0 {
+                true => after == before * power,
+                false => after * power == before,
+            }
+        };
+        Ok(entries.iter().map(as_unit).collect())
+    }
+
+    /// The answer with all lengths of the first point times a factor, if it keeps the same
+    /// columns.
+    fn grown(
+        &self,
+        factor: Fp<'m>,
+        random: &mut SplitMix64,
+    ) -> Result<Option<(Fp<'m>, Answer)>, NotInField> {
+        let (modulus, symbols) = (self.modulus, &self.oracle.named.symbols);
         let scaled = |(value, symbol): (&Value, &Symbol)| match (value, symbol.kind) {
             (Value::Number(x), SymbolKind::Length) => {
                 Value::Number((modulus.element(*x) * factor).residue())
@@ -310,15 +334,48 @@ impl<'a, 'm> Samples<'a, 'm> {
         let point: Vec<Value> = self.first_point.iter().zip(symbols).map(scaled).collect();
         let answer = self.oracle.ask(modulus, &point, random.next_u64())?;
         let same = answer.kept == self.first.kept && answer.deleted == self.first.deleted;
-        let as_unit = |&(i, j): &Place| {
-            let [before, after] = [&self.first, &answer].map(|a| modulus.element(a.beta[i][j]));
-            let power = factor.pow(self.degree(i, j).unsigned_abs().into());
-            match self.degree(i, j) >= 0 {
-                true => after == before * power,
-                false => after * power == before,
+        Ok(same.then_some((factor, answer)))
+    }
+
+    /// Completes shapes by the degrees of the terms above: one where the entry grows as its
+    /// unit says (that unit is what the shape has so far); else those along a line on which
+    /// all lengths grow together. There are others where lengths are products of constants.
+    fn find_degrees(
+        &self,
+        all: &mut [(Place, Looks)],
+        random: &mut SplitMix64,
+    ) -> Result<(), NotInField> {
+        let (modulus, count) = (self.modulus, variables(self.oracle.named).len());
+        let shapes = all.iter_mut();
+        let shapes = shapes.filter_map(|(at, (shape, _))| Some((*at, shape.as_mut()?)));
+        let mut grown = Vec::new();
+        for ((i, j), shape) in shapes {
+            let below = total_degree(&shape.below(count), shape.lengths);
+            if let [unit] = &mut shape.degrees[..] {
+                *unit += below;
+                continue;
             }
-        };
-        Ok(entries.iter().map(|e| same && as_unit(e)).collect())
+            let above = |m: &Monomial| total_degree(m, shape.lengths);
+            let highest = |l: &Local| l.above.iter().map(above).max().unwrap_or(0);
+            let highest: i16 = shape.locals.iter().map(highest).sum();
+            let powers: Vec<Monomial> = (0..=highest as u8).map(|e| vec![e]).collect();
+            while grown.len() < powers.len() + CHECKS {
+                grown.extend(self.grown(modulus.random(random), random)?);
+            }
+            let grown = &grown[..powers.len() + CHECKS];
+            let points: Vec<Vec<Fp<'m>>> = grown.iter().map(|(factor, _)| vec![*factor]).collect();
+            let value = |(factor, answer): &(Fp<'m>, Answer)| {
+                modulus.element(answer.beta[i][j]) * factor.pow(below as u64)
+            };
+            let values = vec![grown.iter().map(value).collect()];
+            let fit = coefficients(modulus, &powers, &points, &values).remove(0);
+            let terms = (0..).zip(fit.unwrap_or_default());
+            shape.degrees = terms
+                .filter(|(_, c)| !c.is_zero())
+                .map(|(e, _)| e)
+                .collect();
+        }
+        Ok(())
     }
 
     /// What removes each parameter that is not kept; and, of what the rules leave, what the
@@ -447,7 +504,7 @@ impl SymbolicRelations {
     /// A bound of the degree, in all that is random, of the numerator of the difference
     /// between an entry of beta (a quotient of minors of W with b rows, or of the rules'
     /// vectors) and a quotient of
-    /// low degree. A length enters an entry of W at most squared, a rotation three times
+    /// low degree. A position enters an entry of W at most squared, a rotation three times
     /// with degree 2 in the tangent of its half angle.
     fn degree(&self, run: &Answer) -> f64 {
         let angles = self
@@ -456,7 +513,7 @@ impl SymbolicRelations {
             .iter()
             .filter(|s| s.kind == SymbolKind::Angle);
         let turns: usize = angles.map(|s| 6 * s.uses).sum();
-        let row = run.degree as f64 + 2.0 + turns as f64;
+        let row = run.degree as f64 + 2.0 * self.named.degree() as f64 + turns as f64;
         let minor = match self.route {
             Route::Whole => self.base.len(),
             Route::RulesAlone => self.origins.len(),

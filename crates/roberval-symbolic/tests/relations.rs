@@ -4,10 +4,12 @@ mod common;
 
 use common::{exact, relations, texts, with_random_lengths};
 use roberval_base::{ExactNumber, Model, Options, base_parameters, decide_exactly};
-use roberval_formats::load;
+use roberval_formats::{load, parse_toml};
 use roberval_mechanism::{Mechanism, RobotDescription, SourceFormat};
 use roberval_scalar::SplitMix64;
-use roberval_symbolic::{Coefficient, Naming, Origin, Route, SymbolicOptions, Variable};
+use roberval_symbolic::{
+    Coefficient, Naming, Origin, Route, SymbolicOptions, SymbolicRelations, Variable,
+};
 use roberval_testkit::{Angles, Family};
 
 /// Values of polynomials in doubles against beta in doubles.
@@ -53,11 +55,18 @@ fn table_v_is_the_papers() {
 
 /// beta of the exact engine at random rational lengths.
 fn agrees_with_exact_beta(name: &str, geometries: usize) {
-    let answer = relations(&built_in(name), &SymbolicOptions::default());
+    agree_with_exact_beta(
+        &relations(&built_in(name), &SymbolicOptions::default()),
+        geometries,
+    );
+}
+
+fn agree_with_exact_beta(answer: &SymbolicRelations, geometries: usize) {
+    let name = &answer.mechanism.name;
     let order: Vec<usize> = (0..answer.parameters.len()).collect();
     let mut random = SplitMix64::new(1991);
     for _ in 0..geometries {
-        let (robot, at) = with_random_lengths(&answer, &mut random);
+        let (robot, at) = with_random_lengths(answer, &mut random);
         let mechanism = Mechanism::new(&robot).expect("a valid robot");
         let decision = decide_exactly(&mechanism, Model::D, &order, 0).expect("a decision");
         assert_eq!(decision.kept, answer.base, "{name}");
@@ -206,6 +215,24 @@ fn at_the_given_values_they_are_the_relations_in_numbers() {
         compared > 1000 && with_angles > 5,
         "{compared} {with_angles}"
     );
+}
+
+/// Lengths that are products of constants: polynomials of a higher degree than the units say.
+#[test]
+fn products_of_constants_are_lengths_too() {
+    for length in ["L1*H", "L1*L1", "3*L1*H + L1", "L1*H*H", "L1*H - H*H"] {
+        let text = format!(
+            "name = \"{length}\"\n[constants]\nL1 = 0.3\nH = 0.7\nL2 = 0.2\n\
+             [[link]]\nname = \"1\"\nalpha = 0\nd = 0\ntheta = 0\nr = 0\n\
+             [[link]]\nname = \"2\"\nalpha = \"90 deg\"\nd = \"L2\"\ntheta = 0\nr = \"{length}\"\n\
+             [[link]]\nname = \"3\"\nalpha = 0\nd = \"{length}\"\ntheta = 0\nr = \"L2\"\n"
+        );
+        let robot = parse_toml(&text, "products.toml").expect("a robot");
+        let answer = relations(&robot, &SymbolicOptions::default());
+        assert!(!answer.variables.is_empty(), "{length}");
+        // An open coefficient panics.
+        agree_with_exact_beta(&answer, 5);
+    }
 }
 
 #[test]

@@ -3,7 +3,9 @@
 use roberval_code::{Code, Count};
 use serde_json::{Value, json};
 
+use crate::csv_text;
 use crate::document::{Block, Column, Document, Item, Table};
+use crate::escape::csv_cell;
 use crate::json::pretty;
 
 /// Standard and reduced model side by side, link by link.
@@ -48,6 +50,26 @@ pub(crate) fn document(standard: &Code, base: &Code) -> Document {
             folded: false,
         }),
     ]
+}
+
+/// The same with a row for each link, then for all of a state and once.
+pub(crate) fn csv(standard: &Code, base: &Code) -> String {
+    let mut header = vec!["part".to_owned(), "link".to_owned()];
+    for model in ["standard", "reduced"] {
+        header.extend(["mul", "add", "trig"].map(|what| format!("{model}_{what}")));
+    }
+    let row = |part: &str, link: &str, counts: [Count; 2]| -> Vec<String> {
+        let numbers = counts.into_iter().flat_map(|c| [c.mul, c.add, c.trig]);
+        let words = [part.to_owned(), csv_cell(link)].into_iter();
+        words.chain(numbers.map(|n| n.to_string())).collect()
+    };
+    let by_link = standard.count_by_link().into_iter();
+    let links = base.links.iter().zip(by_link.zip(base.count_by_link()));
+    let mut records: Vec<Vec<String>> = vec![header];
+    records.extend(links.map(|(link, (a, b))| row("link", link, [a, b])));
+    records.push(row("state", "", [standard.count(), base.count()]));
+    records.push(row("once", "", [standard.count_once(), base.count_once()]));
+    csv_text(records)
 }
 
 /// The same for programs.

@@ -142,6 +142,7 @@ pub fn base(answer: &BaseParameters, format: Format) -> String {
 pub fn symbolic(answer: &SymbolicRelations, format: Format) -> String {
     match format {
         Format::Json => symbolic::json(answer),
+        Format::Csv => symbolic::csv(answer),
         _ => format.prose(&symbolic::document(answer)),
     }
 }
@@ -157,6 +158,7 @@ pub fn sympy(answer: &SymbolicRelations) -> String {
 pub fn counts(standard: &Code, base: &Code, format: Format) -> String {
     match format {
         Format::Json => counts::json(standard, base),
+        Format::Csv => counts::csv(standard, base),
         _ => format.prose(&counts::document(standard, base)),
     }
 }

@@ -9,7 +9,7 @@ use crate::document::{Block, Document};
 use crate::json::pretty;
 use crate::number::size;
 use crate::relation::{Label, Term, pieces};
-use crate::{escape, latex, robot};
+use crate::{csv_text, escape, latex, robot};
 
 /// `left = first + terms`.
 #[derive(Debug, Clone)]
@@ -390,6 +390,31 @@ pub(crate) fn json(answer: &SymbolicRelations) -> String {
     }))
 }
 
+/// The sums, one row a term: `base = sum(sign * coefficient * parameter)`.
+pub(crate) fn csv(answer: &SymbolicRelations) -> String {
+    let labels = answer.parameters.labels();
+    let header = ["base", "parameter", "sign", "coefficient"];
+    let mut records = vec![header.map(str::to_owned).to_vec()];
+    let mut term = |base: usize, column: usize, sign: &str, factor: String| {
+        let [base, column] = [base, column].map(|c| escape::csv_cell(&labels[c]));
+        let factor = match factor.is_empty() {
+            true => "1".to_owned(),
+            false => escape::csv_cell(&factor),
+        };
+        records.push(vec![base, column, sign.to_owned(), factor]);
+    };
+    for (&base, row) in answer.base.iter().zip(&answer.beta) {
+        term(base, base, "1", String::new());
+        for group in groups(answer, row) {
+            let sign = if group.negative() { "-1" } else { "1" };
+            for &column in &group.columns {
+                term(base, column, sign, group.factor(Notation::SymPy));
+            }
+        }
+    }
+    csv_text(records)
+}
+
 /// Names of the parameters for SymPy: `ZZ_1`, or `ZZ_link1` where the link's name is no
 /// identifier or a constant has that name.
 fn sympy_names(answer: &SymbolicRelations) -> Vec<String> {
@@ -412,7 +437,10 @@ fn sympy_names(answer: &SymbolicRelations) -> Vec<String> {
 /// The relations as a Python module for SymPy.
 pub(crate) fn sympy(answer: &SymbolicRelations) -> String {
     let (formulas, names) = (formulas(answer), sympy_names(answer));
-    let mut text = "from sympy import Rational, cos, sin, symbols\n\n".to_owned();
+    let mut text = "from sympy import Function, Rational, cos, sin, symbols\n\n".to_owned();
+    if open(&formulas).is_some() {
+        text += "f = Function(\"f\")  # of what is no polynomial over a monomial, or too long\n";
+    }
     for symbol in &answer.named.symbols {
         let name = Notation::SymPy.name(&symbol.name);
         text += &format!("{name} = symbols(\"{}\", real=True)\n", symbol.name);
