@@ -47,9 +47,7 @@ def imported(arguments: list[str]) -> list[str]:
         word = arguments[place]
         if word.startswith("-") or arguments[place - 1] in OTHER_FILES:
             continue
-        changed[place], warnings = importers.stand_in(word)
-        for warning in warnings:
-            print(f"roberval: warning: {warning}", file=sys.stderr)
+        changed[place] = importers.stand_in(word)
     return changed
 
 

@@ -125,8 +125,11 @@ def convention(name: Order) -> Convention:
 class ParameterOrder:
     """A robot's standard parameters X and a convention's numbers, body by body.
 
-    Made by `Robot.order`. Bodies are the robot's links; what is lumped into a link is part of
-    it, as in Pinocchio. Rotor inertias (Pinocchio's and MuJoCo's armature) are beside them.
+    Made by `Robot.order`. Bodies are the robot's links, a row each in the order of `links`: other
+    programs number theirs in an order of their own, so match them by name, such as
+    ``model.inertias[model.getJointId(link.joint_name)]`` of Pinocchio. What is lumped
+    into a link is part of it, as in Pinocchio. Rotor inertias (Pinocchio's and MuJoCo's
+    armature) are beside them.
 
     Attributes
     ----------

@@ -49,8 +49,8 @@ def lint(path_or_name: str | os.PathLike[str]) -> list[Finding]:
     Parameters
     ----------
     path_or_name : str or path
-        What `load` takes. Lines of a MJCF or xacro file are those of its translation to robot
-        TOML or URDF, and its name says so.
+        What `load` takes. Findings of a MJCF have no lines; those of a xacro file are of its
+        expansion to URDF, and its name says so.
 
     Returns
     -------
@@ -67,5 +67,5 @@ def lint(path_or_name: str | os.PathLike[str]) -> list[Finding]:
     >>> rv.lint("two_link")
     []
     """
-    path, _ = importers.stand_in(os.fspath(path_or_name))
+    path = importers.stand_in(os.fspath(path_or_name))
     return [Finding(*row) for row in _core.lint(path)]

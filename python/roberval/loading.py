@@ -140,7 +140,7 @@ def clean_file(
         `output` cannot be written.
     """
     snap = "aggressive" if aggressive else "default"
-    path, _ = importers.stand_in(_path("clean_file", path_or_name))
+    path = importers.stand_in(_path("clean_file", path_or_name))
     text, changes, near_misses = _core.clean_file(path, snap)
     files.write(output, text)
     return Cleaned(tuple(changes), tuple(near_misses))

@@ -19,7 +19,7 @@ class Rendered:
     _inner: _Renders
 
     def table(self) -> str:
-        """Return the table that the `roberval` command prints, at most 100 columns wide."""
+        """Return the table that the `roberval` command prints, 100 columns wide if it can."""
         return self._inner.render("table")
 
     def to_json(self) -> str:

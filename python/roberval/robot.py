@@ -220,7 +220,9 @@ class Robot(Description):
     ) -> Robot:
         """Read a Pinocchio model (needs the package pin).
 
-        Links have the frames of the joints, and the names of the bodies there.
+        Links have the frames of the joints, and the names of the bodies there. Pinocchio takes
+        the mimic joints of a URDF for free ones unless it is asked:
+        ``pinocchio.buildModelFromUrdf(path, mimic=True)``.
 
         Parameters
         ----------
@@ -244,10 +246,10 @@ class Robot(Description):
     @classmethod
     def _imported(cls, read: Text, asked: Reading) -> Robot:
         make = _core.Robot.from_urdf if read.kind == "urdf" else _core.Robot.from_toml
-        robot = cls._quietly(make(read.text, "imported model", asked), asked)
-        for warning in (*read.warnings, *robot.warnings):
-            warnings.warn(f"{robot.name}: {warning}", RobotWarning, stacklevel=3)
-        return robot
+        core = make(read.text, "imported model", asked)
+        for warning in core.warnings:
+            warnings.warn(f"{core.name}: {warning}", RobotWarning, stacklevel=3)
+        return cls._quietly(core, asked)
 
     def regressor(
         self,

@@ -60,6 +60,7 @@ inertia, missing-inertial, units, rounded-angle, dust, degrees, axis, mimic, lim
 Examples:
   roberval lint arm.urdf
   roberval lint robots/*.urdf --ignore missing-inertial,dust
+  roberval lint robots/*.urdf --errors-only                    what readers refuse, nothing else
   roberval lint arm.urdf --format json -o findings.json
 
 Exit codes: 0 nothing found, 1 findings, 2 a file cannot be read as a robot file at all.";
@@ -197,6 +198,9 @@ pub(crate) struct LintArgs {
     /// Rules to leave out, by their names
     #[arg(long, value_name = "RULES", value_delimiter = ',')]
     pub ignore: Vec<String>,
+    /// List errors alone: warnings are neither shown nor count for the exit code
+    #[arg(long)]
+    pub errors_only: bool,
     #[command(flatten)]
     pub output: OutputArgs,
 }

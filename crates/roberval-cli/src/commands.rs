@@ -119,6 +119,10 @@ fn base(
         if let Some(target) = &report {
             let page = tables::report(&answer);
             target.write(&mut std::io::sink(), |sink| sink.write_all(page.as_bytes()))?;
+            if let Some(path) = &args.report {
+                let what = format!("wrote {}: open it in a browser", path.display());
+                say(err, "note", &what);
+            }
         }
         Ok(tables::base(&answer, format))
     })?;

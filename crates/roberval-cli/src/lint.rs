@@ -19,17 +19,18 @@ pub(crate) fn run(
     look: Look,
 ) -> Result<i32, CliError> {
     check_rules(&args.ignore)?;
-    let (mut findings, mut unread) = (Vec::new(), false);
+    let (mut findings, mut unread) = (Vec::new(), 0);
     for file in &args.files {
         match lint(file) {
             Ok(found) => findings.extend(found),
             Err(error) => {
                 say(err, "error", &error.to_string());
-                unread = true;
+                unread += 1;
             }
         }
     }
     findings.retain(|f| !args.ignore.contains(&f.rule.name()));
+    findings.retain(|f| !args.errors_only || f.severity == Severity::Error);
     let rows: Vec<FindingRow> = findings.iter().map(row).collect();
     answer(&args.output, out, look, |format| {
         Ok(tables::lint(&rows, format))
@@ -39,13 +40,12 @@ pub(crate) fn run(
         .filter(|f| f.severity == Severity::Error)
         .count();
     let warnings = findings.len() - errors;
-    let files = args.files.len();
+    let files = args.files.len() - unread;
     let s = if files == 1 { "" } else { "s" };
-    say(
-        err,
-        "note",
-        &format!("{errors} errors, {warnings} warnings in {files} file{s}"),
-    );
+    let tally = format!("{errors} errors, {warnings} warnings in {files} file{s}");
+    if files > 0 {
+        say(err, "note", &tally);
+    }
     let rounded = |f: &&Finding| matches!(f.rule, Rule::RoundedAngle | Rule::Dust);
     if let Some(first) = findings.iter().find(rounded) {
         // A text read instead of a file has a longer name.
@@ -57,9 +57,9 @@ pub(crate) fn run(
         say(err, "note", &advice);
     }
     Ok(match (unread, findings.len()) {
-        (false, 0) => CLEAR,
-        (false, _) => FOUND,
-        (true, _) => BAD_INPUT,
+        (0, 0) => CLEAR,
+        (0, _) => FOUND,
+        _ => BAD_INPUT,
     })
 }
 

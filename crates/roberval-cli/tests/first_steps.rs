@@ -42,6 +42,11 @@ fn a_report_comes_beside_the_table_and_never_on_stdout() {
     let path = folder.path("report.html");
     let run = roberval(&["base", "two_link", "--report", &path]);
     assert_eq!(run.out, roberval(&["base", "two_link"]).out);
+    assert!(
+        run.err.contains(&format!("note: wrote {path}")),
+        "{}",
+        run.err
+    );
     let page = std::fs::read_to_string(&path).expect("written");
     assert!(
         page.contains("<h1>Planar") || page.contains("<h1>"),
@@ -117,6 +122,11 @@ fn lint_says_where_and_what_and_its_exit_codes_are_for_machines() {
     let ignored = roberval(&["lint", &file, "--ignore", "rounded-angle"]);
     assert_eq!((ignored.code, ignored.out.as_str()), (0, ""));
     assert_eq!(roberval(&["lint", &file, "--ignore", "rounded"]).code, 2);
+    let errors = roberval(&["lint", &file, "--errors-only"]);
+    assert_eq!((errors.code, errors.out.as_str()), (0, ""));
+    let nothing = roberval(&["lint", "no_such_file"]);
+    assert_eq!(nothing.code, 2);
+    assert!(!nothing.err.contains("0 errors"), "{}", nothing.err);
     let missing = roberval(&["lint", &file, "no_such_file"]);
     assert_eq!(missing.code, 2);
     assert!(

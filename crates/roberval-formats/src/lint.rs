@@ -11,7 +11,7 @@ use roberval_mechanism::{Change, CleanPolicy, Cleaned, RobotDescription, Unit, c
 pub use finding::{Finding, Rule, Severity};
 
 use crate::error::{FormatError, Position};
-use crate::load::{Kind, with_text};
+use crate::load::{Kind, stand_in, with_text};
 
 /// Everything that is wrong or suspicious in a robot file, in the order of the file.
 ///
@@ -24,9 +24,22 @@ pub fn lint(path_or_name: &str) -> Result<Vec<Finding>, FormatError> {
         Kind::Toml => toml::findings(text, name),
         Kind::Urdf => urdf::findings(text, name),
     })?;
+    if let Some((Kind::Toml, _)) = stand_in(path_or_name) {
+        of_translation(&mut findings, path_or_name);
+    }
     findings.sort_by_key(|f| f.position.map(|p| (p.line, p.column)));
     findings.dedup();
     Ok(findings)
+}
+
+/// Nobody wrote the numbers of a translation and nobody has its lines: what is left is what
+/// concerns the file itself.
+fn of_translation(findings: &mut Vec<Finding>, file: &str) {
+    findings.retain(|f| !matches!(f.rule, Rule::RoundedAngle | Rule::Dust));
+    for finding in findings {
+        file.clone_into(&mut finding.file);
+        finding.position = None;
+    }
 }
 
 /// Numbers that look rounded, whatever became of them; `position` finds them in the file.

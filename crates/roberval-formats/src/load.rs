@@ -75,7 +75,8 @@ pub fn read_instead(path: &str, kind: Kind, text: String) {
     all.insert(path.to_owned(), (kind, text));
 }
 
-fn stand_in(path: &str) -> Option<(Kind, String)> {
+/// What is read where this path is asked for, if not the file.
+pub(crate) fn stand_in(path: &str) -> Option<(Kind, String)> {
     let all = STAND_INS.lock().unwrap_or_else(PoisonError::into_inner);
     all.get(path).cloned()
 }

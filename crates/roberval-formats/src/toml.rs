@@ -31,7 +31,15 @@ const MAX_CONSTANTS: usize = 1000;
 /// The name that stands for the base in `antecedent`.
 pub(crate) const BASE: &str = "base";
 
-const ROBOT_KEYS: &[&str] = &["name", "gravity", "constants", "link", "couple", "loop"];
+const ROBOT_KEYS: &[&str] = &[
+    "name",
+    "gravity",
+    "constants",
+    "warnings",
+    "link",
+    "couple",
+    "loop",
+];
 const LINK_KEYS: &[&str] = &[
     "name",
     "antecedent",
@@ -82,7 +90,7 @@ pub(crate) fn read(source: &Source) -> Result<RobotDescription, FormatError> {
         loops: Vec::new(),
         constants,
         format: SourceFormat::Mdh,
-        warnings: Vec::new(),
+        warnings: robot.strings("warnings")?,
     };
     let dependent = couple::dependent_joints(&robot)?;
     let tables = link_tables(&robot)?;
@@ -110,7 +118,8 @@ pub(crate) fn read(source: &Source) -> Result<RobotDescription, FormatError> {
     }
     couple::couples(&robot, &mut description)?;
     description.loops = loops::read(&robot, &description)?;
-    description.warnings = warnings(&description);
+    let noticed = noticed(&description);
+    description.warnings.extend(noticed);
     Ok(description)
 }
 
@@ -437,7 +446,7 @@ fn check_tree(
 }
 
 /// Base parameters need no values, so that values that no body has are no errors.
-fn warnings(description: &RobotDescription) -> Vec<String> {
+pub(crate) fn noticed(description: &RobotDescription) -> Vec<String> {
     let links = description.links.iter();
     let told = links.flat_map(|link| {
         let name = quoted(&link.name);

@@ -172,6 +172,10 @@ fn check_format(root: &Element) -> Result<(), FormatError> {
             "this is MJCF (MuJoCo), not URDF",
             "the Python package reads it where mujoco is installed: pip install mujoco",
         ),
+        "mujocoinclude" => (
+            "this is a part that MJCF (MuJoCo) files include, not a whole model",
+            "name the MJCF file that includes it",
+        ),
         "html" => (
             "this is a web page, not a robot file",
             "download the raw file",

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use roberval_formats::{Finding, Kind, catalogue, clean_toml, lint, read_instead};
+use roberval_formats::{Finding, Kind, Rule, catalogue, clean_toml, lint, read_instead};
 use roberval_mechanism::CleanPolicy;
 
 /// Lints a text as a file of this name.
@@ -234,15 +234,33 @@ cut = \"spherical\"
 }
 
 #[test]
-fn a_text_read_instead_of_a_file_is_named_as_such() {
-    let text = "[[link]]\nalpha = 1.5708\nd = 0\ntheta = 0\nr = 0\n";
+fn a_translation_has_findings_of_the_file_and_none_of_its_own_digits() {
+    let text = "warnings = [\"tendon 't' is not applied\"]\n\
+                [[link]]\nxyz = [0, 0, 1e-17]\nrpy = [1.5708, 0, 0]\ninertia = { M = -1 }\n";
     read_instead("arm.xml", Kind::Toml, text.to_owned());
     let found = lint("arm.xml").expect("a robot");
     let text: Vec<String> = found.iter().map(ToString::to_string).collect();
-    assert_eq!(found.len(), 1, "{text:?}");
+    let mut rules: Vec<String> = found.iter().map(|f| f.rule.name()).collect();
+    rules.sort();
+    assert_eq!(rules, ["inertia", "remark"], "{text:?}");
     assert!(
-        text[0].starts_with("arm.xml (as robot TOML):2:9: warning"),
+        text.iter().all(|t| t.starts_with("arm.xml: warning: ")),
         "{text:?}"
+    );
+}
+
+#[test]
+fn a_text_in_urdf_read_instead_of_a_file_is_named_as_such() {
+    let text = r#"<robot name="r"><link name="a"/><link name="b"/>
+<joint name="j" type="continuous"><parent link="a"/><child link="b"/>
+<origin rpy="1.5708 0 0"/></joint></robot>"#;
+    read_instead("arm.xacro", Kind::Urdf, text.to_owned());
+    let found = lint("arm.xacro").expect("a robot");
+    let rounded = found.iter().find(|f| f.rule == Rule::RoundedAngle);
+    let text = rounded.expect("an angle").to_string();
+    assert!(
+        text.starts_with("arm.xacro (as URDF):3:9: warning"),
+        "{text}"
     );
 }
 
@@ -288,4 +306,17 @@ cut = \"spherical\"
     assert_eq!(changes.len(), 4, "{changes:?}");
     let again = findings("placed.toml", &cleaned);
     assert!(again.is_empty(), "{cleaned}\n{again:?}");
+}
+
+#[test]
+fn millimetres_and_weightless_ends_are_suspicious() {
+    let text = r#"<robot name="r"><link name="a"/>
+<link name="b"><inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>
+<joint name="j" type="continuous"><parent link="a"/><child link="b"/>
+<origin xyz="0 0 333"/></joint></robot>"#;
+    let found = findings("far.urdf", text);
+    let expected = [(2, "missing-inertial"), (4, "units")];
+    let expected = expected.map(|(line, rule)| (line, rule.to_owned()));
+    assert_eq!(summary(&found), expected, "{found:?}");
+    assert!(found[1].remedy.contains("millimetres"), "{found:?}");
 }

@@ -349,3 +349,17 @@ fn a_couple_by_an_expression_is_written_and_read_the_same() {
     assert!(!robot.links[1].active && !robot.links[1].rotor);
     assert_eq!(read(&to_toml(&robot).unwrap()).couples, robot.couples);
 }
+
+#[test]
+fn warnings_of_the_program_that_wrote_the_file_are_the_robots_and_round_trip() {
+    let text = "warnings = [\"ball joint 'b' is taken as three hinges\"]\n\
+                [[link]]\nxyz = [0, 0, 1]\ninertia = { M = -1 }\n";
+    let robot = read(text);
+    assert_eq!(robot.warnings.len(), 2, "{:?}", robot.warnings);
+    assert!(robot.warnings[0].contains("three hinges"));
+    let again = read(&to_toml(&robot).unwrap());
+    assert_eq!(again.warnings, robot.warnings);
+    let wrong = "warnings = [1]\n[[link]]\nxyz = [0, 0, 1]\n";
+    let error = parse_toml(wrong, "wrong.toml").unwrap_err();
+    assert!(error.to_string().contains("an array of strings"), "{error}");
+}

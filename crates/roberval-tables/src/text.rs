@@ -1,4 +1,4 @@
-//! Documents as plain text of at most [`WIDTH`] columns.
+//! Documents as plain text of at most [`WIDTH`] columns, but for tables with more numbers.
 
 use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
 
@@ -9,6 +9,12 @@ use crate::escape::plain;
 /// Cells of folded tables are cut to this many columns (`head~tail`): one long name must
 /// not unfold the table, and lists and relations have all of it.
 const WIDEST_CELL: usize = 36;
+
+/// Where a table is too wide its texts are cut, but not to less than this.
+const NARROWEST_TEXT: usize = 12;
+
+/// A number is never cut: no float has more columns, and an expression may lose its middle.
+const WIDEST_NUMBER: usize = 24;
 
 /// Lines after the first of a list or relation begin with this many blanks.
 const HANG: usize = 4;
@@ -173,19 +179,27 @@ fn cell(item: &Item, folded: bool) -> String {
     }
 }
 
-/// The columns' widths; where they are too wide together, the widest give way.
+/// The columns' widths; where they are too wide together, the widest give way as far as they
+/// may: a number without its digits is none, so that a table of many is wider than the page.
 fn widths(table: &Table, cells: &[Vec<String>]) -> Vec<usize> {
     let mut widths: Vec<usize> = table.columns.iter().map(|c| c.title.width()).collect();
-    for row in cells {
-        for (width, cell) in widths.iter_mut().zip(row) {
-            *width = (*width).max(cell.width());
+    let mut least = widths.clone();
+    for (row, items) in cells.iter().zip(&table.rows) {
+        for (k, (cell, item)) in row.iter().zip(items).enumerate() {
+            let most = match item {
+                Item::Number(_) => WIDEST_NUMBER,
+                _ => NARROWEST_TEXT,
+            };
+            widths[k] = widths[k].max(cell.width());
+            least[k] = least[k].max(cell.width().min(most));
         }
     }
     let gutters = GUTTER.len() * widths.len().saturating_sub(1);
     while widths.iter().sum::<usize>() + gutters > WIDTH {
-        match widths.iter_mut().max() {
-            Some(widest) if *widest > 1 => *widest -= 1,
-            _ => break,
+        let loose = (0..widths.len()).filter(|&k| widths[k] > least[k]);
+        match loose.max_by_key(|&k| widths[k]) {
+            Some(widest) => widths[widest] -= 1,
+            None => break,
         }
     }
     widths
@@ -237,6 +251,7 @@ fn take(characters: impl Iterator<Item = char>, width: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::Column;
 
     #[test]
     fn a_cut_text_keeps_head_and_tail_and_its_width() {
@@ -247,6 +262,27 @@ mod tests {
             "\u{8155}~\u{8155}"
         );
         assert!((1..12).all(|w| cut("\u{8155}bc\u{8155}ef\u{8155}hi", w).width() <= w));
+    }
+
+    #[test]
+    fn a_table_too_wide_cuts_its_names_and_no_number() {
+        let mut row = vec![Item::text("a_wheel_of_the_left_side_with_a_long_name_link")];
+        row.extend((0..11).map(|k| Item::Number(format!("-3.2{k}e-05"))));
+        let mut columns = vec![Column::left("link")];
+        columns.extend((0..11).map(|_| Column::right("XX")));
+        let table = Table {
+            columns,
+            rows: vec![row],
+            folded: false,
+        };
+        let text = render(&vec![Block::Table(table)], false);
+        let line = text.lines().nth(1).expect("a row");
+        assert!(line.starts_with("a_whee~"), "{line}");
+        assert_eq!(line.matches('~').count(), 1, "{line}");
+        assert!(
+            (0..11).all(|k| line.contains(&format!("-3.2{k}e-05"))),
+            "{line}"
+        );
     }
 
     #[test]

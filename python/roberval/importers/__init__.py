@@ -28,13 +28,11 @@ class Text(NamedTuple):
     ----------
     kind : {"toml", "urdf"}
     text : str
-    warnings : tuple of str
-        What was left out, for the user.
+        A robot TOML has among its ``warnings`` what was left out.
     """
 
     kind: str
     text: str
-    warnings: tuple[str, ...] = ()
 
 
 def kind_of(path: Path) -> Kind | None:
@@ -50,9 +48,19 @@ def kind_of(path: Path) -> Kind | None:
         return None
     if root[1] == "mujoco":
         return "mjcf"
-    if root[1] == "robot" and (path.suffix == ".xacro" or re.search(r"<xacro:|\$\{", plain)):
+    if root[1] == "robot" and (path.suffix == ".xacro" or is_xacro(plain)):
         return "xacro"
     return None
+
+
+def is_xacro(text: str) -> bool:
+    """Tell whether a robot file without its comments says itself that it is xacro.
+
+    Expanding xacro evaluates what stands in the file, so that a stray ``${...}`` is not enough:
+    the core refuses it. Nor is the namespace alone, which xacro leaves in what it has expanded.
+    """
+    declared = re.search(r"\sxmlns:xacro\s*=", text) is not None
+    return "<xacro:" in text or (declared and re.search(r"\$[{(]", text) is not None)
 
 
 def described(name: str) -> Path | None:
@@ -75,15 +83,13 @@ def read(path: Path, kind: Kind) -> Text:
     return xacro.from_file(path)
 
 
-def stand_in(path_or_name: str) -> tuple[str, tuple[str, ...]]:
+def stand_in(path_or_name: str) -> str:
     """Let the core read a translation where it is asked for a file that it cannot read itself.
 
     Returns
     -------
     str
         The path to ask the core for.
-    tuple of str
-        What was left out, for the user.
     """
     path = Path(path_or_name)
     if not path.exists():
@@ -91,10 +97,10 @@ def stand_in(path_or_name: str) -> tuple[str, tuple[str, ...]]:
         path_or_name = str(path)
     kind = kind_of(path)
     if kind is None:
-        return path_or_name, ()
+        return path_or_name
     found = read(path, kind)
     _core.read_instead(path_or_name, found.kind == "urdf", found.text)
-    return path_or_name, found.warnings
+    return path_or_name
 
 
 def missing(what: str, package: str) -> MissingPackageError:

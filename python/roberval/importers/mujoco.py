@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -79,8 +79,16 @@ def from_model(model: Any, fallback: str) -> Text:
     name = names[: names.index(b"\0")].decode("utf-8", "replace") or fallback
     if name == "MuJoCo Model":
         name = fallback
-    text = placed.toml(name, model.opt.gravity, reader.links, couples, loops)
-    return Text("toml", text, tuple(reader.warnings))
+    text = placed.toml(name, model.opt.gravity, reader.links, couples, loops, reader.warnings)
+    return Text("toml", text)
+
+
+class End(NamedTuple):
+    """A side of a connect or weld: a body, and the frame on it that coincides with the other's."""
+
+    body: int
+    rotation: Array
+    point: Array
 
 
 class Reader:
@@ -101,14 +109,12 @@ class Reader:
         }
 
     def is_held(self) -> bool:
-        """Tell whether a connect or weld of two bodies holds one to the world."""
-        model, kinds = self.model, self.mujoco.mjtEq
+        """Tell whether a connect or weld holds a body to the world."""
+        model = self.model
         for number in np.flatnonzero(model.eq_active0):
-            closes = kinds(model.eq_type[number]) in (kinds.mjEQ_CONNECT, kinds.mjEQ_WELD)
-            if closes and model.eq_objtype[number] == self.mujoco.mjtObj.mjOBJ_BODY:
-                bodies = (model.eq_obj1id[number], model.eq_obj2id[number])
-                if any(model.body_weldid[int(body)] == 0 for body in bodies):
-                    return True
+            bodies = [body for body, _, _ in self.ends(int(number)) or ()]
+            if any(model.body_weldid[body] == 0 for body in bodies):
+                return True
         return False
 
     def name(self, kind: str, index: int) -> str:
@@ -193,11 +199,21 @@ class Reader:
             elif (loop := self.loop(number)) is not None:
                 loops.append(loop)
             else:
-                what = kinds(kind).name.removeprefix("mjEQ_").lower()
-                self.warnings.append(
-                    f"equality {name!r} ({what}) is not applied: the joints move freely"
-                )
+                self.warnings.append(self.not_applied(number))
         return couples, loops
+
+    def not_applied(self, number: int) -> str:
+        """Say what is not applied, why, and what follows."""
+        what = self.mujoco.mjtEq(self.model.eq_type[number]).name.removeprefix("mjEQ_").lower()
+        why = (
+            "only joint, connect and weld are read"
+            if self.ends(number) is None
+            else "it joins two bodies that no joint moves against each other"
+        )
+        return (
+            f"equality {self.name('equality', number)!r} ({what}) is not applied: {why};"
+            " the joints move freely"
+        )
 
     def couple(self, number: int) -> Couple | None:
         """Read an equality of two joints: q1 = a0 + a1 q2."""
@@ -209,30 +225,40 @@ class Reader:
             return None
         return Couple(dependent.name, {free.name: slope}, offset)
 
-    def loop(self, number: int) -> Loop | None:
-        """Read a connect or weld of two bodies."""
+    def ends(self, number: int) -> tuple[End, End] | None:
+        """Return the two bodies of a connect or weld and the frames that coincide on them."""
         model, kinds = self.model, self.mujoco.mjtEq
-        if model.eq_objtype[number] != self.mujoco.mjtObj.mjOBJ_BODY:
+        objects = (int(model.eq_obj1id[number]), int(model.eq_obj2id[number]))
+        kind, of_what = model.eq_type[number], model.eq_objtype[number]
+        if kind not in (kinds.mjEQ_CONNECT, kinds.mjEQ_WELD):
+            return None
+        if of_what == self.mujoco.mjtObj.mjOBJ_SITE:
+            first, second = (
+                End(int(model.site_bodyid[s]), matrix(model.site_quat[s]), model.site_pos[s])
+                for s in objects
+            )
+            return first, second
+        if of_what != self.mujoco.mjtObj.mjOBJ_BODY:
             return None
         data, one = model.eq_data[number], np.eye(3)
-        if model.eq_type[number] == kinds.mjEQ_CONNECT:
-            cut, ends = "spherical", ((one, data[:3]), (one, data[3:6]))
-        elif model.eq_type[number] == kinds.mjEQ_WELD:
-            cut, ends = "fixed", ((matrix(data[6:10]), data[3:6]), (one, data[:3]))
-        else:
+        if kind == kinds.mjEQ_CONNECT:
+            return End(objects[0], one, data[:3]), End(objects[1], one, data[3:6])
+        return End(objects[0], matrix(data[6:10]), data[3:6]), End(objects[1], one, data[:3])
+
+    def loop(self, number: int) -> Loop | None:
+        """Read a connect or weld of two bodies or two sites."""
+        if (ends := self.ends(number)) is None:
             return None
-        places = [
-            self.place[int(model.eq_obj1id[number])],
-            self.place[int(model.eq_obj2id[number])],
-        ]
+        places = [self.place[end.body] for end in ends]
         names = [None if link is None else link.name for link, _, _ in places]
         if names[0] == names[1]:
             return None
         first, second = (
-            (rotation @ turn, origin + rotation @ point)
-            for (_, rotation, origin), (turn, point) in zip(places, ends, strict=True)
+            (rotation @ end.rotation, origin + rotation @ end.point)
+            for (_, rotation, origin), end in zip(places, ends, strict=True)
         )
-        return Loop((names[0], names[1]), (first, second), cut)
+        connects = self.model.eq_type[number] == self.mujoco.mjtEq.mjEQ_CONNECT
+        return Loop((names[0], names[1]), (first, second), "spherical" if connects else "fixed")
 
     def driven(self) -> None:
         """Let only joints with an actuator be driven: in loops the others follow."""

@@ -40,8 +40,14 @@ def from_model(model: Any) -> Text:
         reader.joint(joint)
     if not reader.links:
         raise RobotError("the Pinocchio model has no joint: nothing moves")
-    text = placed.toml(model.name or "robot", model.gravity.linear, reader.links, reader.couples)
-    return Text("toml", text, tuple(reader.warnings))
+    text = placed.toml(
+        model.name or "robot",
+        model.gravity.linear,
+        reader.links,
+        reader.couples,
+        warnings=reader.warnings,
+    )
+    return Text("toml", text)
 
 
 class Reader:

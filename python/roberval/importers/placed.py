@@ -85,9 +85,12 @@ def toml(
     links: Sequence[Link],
     couples: Sequence[Couple],
     loops: Sequence[Loop] = (),
+    warnings: Sequence[str] = (),
 ) -> str:
-    """Write robot TOML."""
+    """Write robot TOML; what was left out goes along as its warnings."""
     lines = [f"name = {string(name)}", f"gravity = {vector(gravity)}"]
+    if warnings:
+        lines.append(f"warnings = [{', '.join(map(string, warnings))}]")
     for link in links:
         antecedent = "base" if link.antecedent is None else link.antecedent
         values = ", ".join(

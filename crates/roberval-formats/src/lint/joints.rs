@@ -12,6 +12,9 @@ use crate::words::quoted;
 /// Limits of more radians than this are degrees: some joints turn three times, none ten.
 const MOST_TURNS: f64 = 60.0;
 
+/// A joint has its place nearer to its link than this, m.
+const FARTHEST_JOINT: f64 = 20.0;
+
 /// What is wrong with one joint that can be read.
 pub(super) fn findings(element: &Element, joint: &Joint) -> Vec<Finding> {
     let mut findings = Vec::new();
@@ -31,6 +34,16 @@ pub(super) fn findings(element: &Element, joint: &Joint) -> Vec<Finding> {
         let unit = axis.map(|x| (x / length).to_string()).join(" ");
         let what = format!("its axis has the length {length}, not 1");
         found(Rule::Axis, "axis", "xyz", what, format!("write {unit}"));
+    }
+    let far = joint
+        .origin
+        .xyz
+        .iter()
+        .find(|x| x.value.abs() > FARTHEST_JOINT);
+    if let Some(far) = far {
+        let what = format!("its place is {} m away", far.text);
+        let remedy = "is it in millimetres? URDF wants m".to_owned();
+        found(Rule::Units, "origin", "xyz", what, remedy);
     }
     let degrees = joint
         .origin

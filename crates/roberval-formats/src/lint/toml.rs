@@ -9,8 +9,11 @@ use super::{Finding, Rule, rounded};
 use crate::error::{Code, FormatError};
 use crate::source::Source;
 use crate::suspects::in_degrees;
-use crate::toml::{negatives, read, with_places};
+use crate::toml::{negatives, noticed, read, with_places};
 use crate::words::quoted;
+
+/// What to do about a remark that the program which wrote the file has left in it.
+const NOT_READ: &str = "the parameters are those of the robot as it was read";
 
 pub(super) fn findings(text: &str, name: &str) -> Result<Vec<Finding>, FormatError> {
     let source = Source::new(name, text)?.collecting();
@@ -24,6 +27,9 @@ pub(super) fn findings(text: &str, name: &str) -> Result<Vec<Finding>, FormatErr
     };
     let faults = source.take_faults().into_iter();
     let mut findings: Vec<Finding> = faults.map(Finding::refused).collect();
+    let told = description.warnings.iter();
+    let told = told.filter(|w| !noticed(&description).contains(w));
+    findings.extend(told.map(|what| Finding::new(Rule::Remark, name, what.clone(), NOT_READ)));
     with_places(&source, |places| {
         let position = |range: Range<usize>| source.position(range.start);
         let roundings = rounded(name, &description, |change| {

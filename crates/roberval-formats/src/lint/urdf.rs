@@ -1,6 +1,6 @@
 //! A URDF, element by element: one fault does not hide the others.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use roberval_mechanism::{Change, Field, JointKind};
 
@@ -66,6 +66,7 @@ fn elements(robot: &Element) -> Vec<Finding> {
     }
     findings.extend(joints::mimics(&joints));
     findings.extend(without_inertial(&links, &joints));
+    findings.extend(weightless_ends(&links, &joints));
     findings.extend(roundings(robot.source, &links, &joints));
     findings.truncate(MOST);
     findings
@@ -162,6 +163,33 @@ fn without_inertial(links: &[(Element, Link)], joints: &[(Element, Joint)]) -> V
             Some(finding.at(source.position(element.offset())))
         })
         .collect()
+}
+
+/// Moving links of mass zero and inertia zero with nothing on them: no motion of theirs has an
+/// effect, and simulators fail.
+fn weightless_ends(links: &[(Element, Link)], joints: &[(Element, Joint)]) -> Vec<Finding> {
+    let parents: HashSet<&str> = joints.iter().map(|(_, j)| j.parent.as_str()).collect();
+    let moving = joints.iter().filter(|(_, j)| j.kind != JointKind::Fixed);
+    let moved: HashSet<&str> = moving.map(|(_, j)| j.child.as_str()).collect();
+    let weightless = |link: &Link| {
+        let body = link.inertia.as_ref();
+        body.is_some_and(|body| body.mass == 0.0 && body.tensor.iter().all(|x| *x == 0.0))
+    };
+    let ends = links.iter().filter(|(_, link)| {
+        let name = link.name.as_str();
+        moved.contains(name) && !parents.contains(name) && weightless(link)
+    });
+    ends.map(|(element, _)| {
+        let what = format!(
+            "{}: it moves, has mass and inertia 0, and carries nothing",
+            element.place
+        );
+        let remedy = "base parameters need no values, simulators do: give mass and inertia";
+        let source = element.source;
+        let finding = Finding::new(Rule::MissingInertial, source.name, what, remedy);
+        finding.at(source.position(element.offset()))
+    })
+    .collect()
 }
 
 /// Rounded numbers of all joints, those of tool frames as well.

@@ -96,6 +96,20 @@ impl<'s, 'd> Section<'s, 'd> {
         }
     }
 
+    /// The texts of an array.
+    pub fn strings(&self, key: &str) -> Result<Vec<String>, FormatError> {
+        let Some(item) = self.table.get(key) else {
+            return Ok(Vec::new());
+        };
+        let text = |value: &Value| value.as_str().map(str::to_owned);
+        let texts = item.as_array().and_then(|a| a.iter().map(text).collect());
+        let texts = texts.ok_or_else(|| {
+            self.wrong_type(key, item, "an array of strings")
+                .hint(format!("write {key} = [\"...\", \"...\"]"))
+        });
+        self.source.or_go_on(texts, Vec::new)
+    }
+
     /// The error for the text of a key that is no expression.
     pub fn literal(&self, key: &str, text: &str, error: LiteralError) -> FormatError {
         let value = self.table.get(key).and_then(Item::as_value);

@@ -43,6 +43,13 @@ fn head(text: &mut String, robot: &RobotDescription) {
     line(text, "name", &string(&robot.name));
     let gravity: Vec<String> = robot.gravity.iter().map(number).collect();
     line(text, "gravity", &format!("[{}]", gravity.join(", ")));
+    // What the reader notices itself it will notice again.
+    let noticed = super::noticed(robot);
+    let told = robot.warnings.iter().filter(|w| !noticed.contains(w));
+    let told: Vec<String> = told.map(|w| string(w)).collect();
+    if !told.is_empty() {
+        line(text, "warnings", &format!("[{}]", told.join(", ")));
+    }
     if !robot.constants.is_empty() {
         text.push_str("\n[constants]\n");
     }
