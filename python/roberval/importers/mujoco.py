@@ -229,7 +229,7 @@ class Reader:
         """Return the two bodies of a connect or weld and the frames that coincide on them."""
         model, kinds = self.model, self.mujoco.mjtEq
         objects = (int(model.eq_obj1id[number]), int(model.eq_obj2id[number]))
-        kind, of_what = model.eq_type[number], model.eq_objtype[number]
+        kind, of_what = kinds(model.eq_type[number]), model.eq_objtype[number]
         if kind not in (kinds.mjEQ_CONNECT, kinds.mjEQ_WELD):
             return None
         if of_what == self.mujoco.mjtObj.mjOBJ_SITE:
