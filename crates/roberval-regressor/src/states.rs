@@ -2,7 +2,7 @@
 
 use crate::NoValue;
 
-/// What is wrong with the arrays handed to a [`Regressor`].
+/// What is wrong with the arrays handed to a [`Regressor`](crate::Regressor).
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RegressorError {
     /// An array has the wrong number of entries.
