@@ -171,10 +171,10 @@ def test_packed_tiles_and_threads_give_the_rows_bit_by_bit(
 ) -> None:
     robot = any_robot(name)
     count = 9000 if name == "puma560" else 3000
-    states = states_of(robot, count)
-    rows = robot.regressor(*states, model, threads=1)
-    assert np.array_equal(rows, robot.regressor(*states, model, threads=3))
-    packed = robot.packed(*states, model, threads=2)
+    q, qd, qdd = states_of(robot, count)
+    rows = robot.regressor(q, qd, qdd, model, threads=1)
+    assert np.array_equal(rows, robot.regressor(q, qd, qdd, model, threads=3))
+    packed = robot.packed(q, qd, qdd, model, threads=2)
     tiles, _, lanes = packed.shape
     flat = np.zeros((tiles * lanes, robot.n if model != "h" else 1, rows.shape[-1]))
     entries = robot.packed_entries(model)
@@ -182,12 +182,12 @@ def test_packed_tiles_and_threads_give_the_rows_bit_by_bit(
     assert np.array_equal(flat[:count].reshape(rows.shape), rows)
     if model == "d":
         X = np.arange(1.0, rows.shape[-1] + 1)
-        tau = robot.torques(*states, X, threads=3)
-        assert np.array_equal(tau, robot.torques(*states, X, threads=1))
+        tau = robot.torques(q, qd, qdd, X, threads=3)
+        assert np.array_equal(tau, robot.torques(q, qd, qdd, X, threads=1))
         assert np.abs(tau - rows @ X).max() <= 1e-13 * np.abs(rows * X).sum(axis=-1).max()
-    states[0][count - 2, -1] = np.inf
+    q[count - 2, -1] = np.inf
     with pytest.raises(rv.ArrayError, match=rf"q\[{count - 2}, "):
-        robot.regressor(*states, model, threads=3)
+        robot.regressor(q, qd, qdd, model, threads=3)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
