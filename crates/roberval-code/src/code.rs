@@ -4,7 +4,8 @@ use roberval_mechanism::{JointKind, Mechanism};
 
 use crate::names::identifier;
 use crate::program::{Count, Program};
-use crate::record::{What, record};
+use crate::record::record;
+use crate::what::What;
 
 /// What code is asked for.
 #[derive(Debug, Clone)]

@@ -300,6 +300,11 @@ impl<'g> Recorded<'g> {
         Self { graph, at }
     }
 
+    /// Its value if it is a number.
+    pub fn value(self) -> Option<f64> {
+        self.graph.value(self.at)
+    }
+
     /// Its cosine.
     pub fn cos(self) -> Self {
         Self {

@@ -5,15 +5,19 @@
 //! [`Code`] is a program with its parameters; [`Code::text`] writes it in a [`Language`].
 
 mod code;
+mod composite;
+mod coordinates;
 mod emit;
 mod graph;
 mod names;
 mod program;
 mod record;
+mod turns;
+mod what;
 
 pub use code::{Code, CodeError, Request};
 pub use emit::{Language, UnknownLanguage};
 pub use graph::{Graph, Op, Recorded, Signed};
 pub use names::{identifier, plain};
 pub use program::{Count, Input, Program};
-pub use record::{UnknownWhat, What};
+pub use what::{UnknownWhat, What};

@@ -1,101 +1,65 @@
 //! The models run through the recorder.
 
-use std::str::FromStr;
-
-use roberval_mechanism::{AffineLaw, JointKind, Mechanism, ParameterSpace, VariableLaw};
+use roberval_mechanism::{JointKind, Mechanism, ParameterSpace};
 use roberval_regressor::{
-    Body, DynamicsWorkspace, EnergyWorkspace, JointMotion, Projected, SelectedRows, Shape,
-    Transmission, Tree, dynamics, energy, newton_euler,
+    BaseState, Body, DynamicsWorkspace, EnergyWorkspace, JointMotion, Moments, Projected,
+    SelectedRows, Shape, Transmission, Tree, dynamics, energy, newton_euler,
 };
 use roberval_scalar::Jet;
 
+use crate::composite::{Composite, Meeting};
+use crate::coordinates::Coordinates;
 use crate::graph::{Graph, Recorded};
 use crate::program::{Input, Program};
+use crate::what::What;
 
-/// What the code computes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum What {
-    /// Inverse dynamics tau(q, qd, qdd).
-    #[default]
-    Tau,
-    /// The reduced regressor d1, n x b.
-    Regressor,
-    /// The energy row h1.
-    Energy,
-    /// The torques at rest: gravity.
-    Gravity,
-    /// The mass matrix, n x n.
-    MassMatrix,
+/// A way of recording.
+#[derive(Debug, Clone, Copy)]
+struct Way {
+    /// Whether mass moves between bodies as no motion can tell.
+    regroup: bool,
+    /// How a mass matrix comes about.
+    mass: Mass,
 }
 
-impl What {
-    /// All of them.
-    pub const ALL: [Self; 5] = [
-        Self::Tau,
-        Self::Regressor,
-        Self::Energy,
-        Self::Gravity,
-        Self::MassMatrix,
-    ];
-
-    /// `tau`, `regressor`, `energy`, `gravity` or `mass`.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Tau => "tau",
-            Self::Regressor => "regressor",
-            Self::Energy => "energy",
-            Self::Gravity => "gravity",
-            Self::MassMatrix => "mass",
-        }
-    }
-
-    /// The shape of the result at one state, for n joint variables and b parameters.
-    #[must_use]
-    pub fn shape(self, n: usize, b: usize) -> Vec<usize> {
-        match self {
-            Self::Tau | Self::Gravity => vec![n],
-            Self::Regressor => vec![n, b],
-            Self::Energy => vec![b],
-            Self::MassMatrix => vec![n, n],
-        }
-    }
-
-    /// The joint states it takes.
-    #[must_use]
-    pub fn states(self) -> &'static [&'static str] {
-        match self {
-            Self::Tau | Self::Regressor => &["q", "qd", "qdd"],
-            Self::Energy => &["q", "qd"],
-            Self::Gravity | Self::MassMatrix => &["q"],
-        }
-    }
-
-    /// Whether it takes parameters: the regressor and the energy row are multiplied by
-    /// them.
-    #[must_use]
-    pub fn takes_parameters(self) -> bool {
-        !matches!(self, Self::Regressor | Self::Energy)
-    }
+#[derive(Debug, Clone, Copy)]
+enum Mass {
+    /// By composite bodies.
+    Composite(Meeting),
+    /// Column after column, as torques of unit accelerations: cheap where many joints follow
+    /// few coordinates.
+    Columns,
 }
 
-/// A word that is no [`What`].
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("code is written for {}", What::ALL.map(What::name).join(", "))]
-pub struct UnknownWhat;
-
-impl FromStr for What {
-    type Err = UnknownWhat;
-
-    fn from_str(name: &str) -> Result<Self, UnknownWhat> {
-        let mut all = Self::ALL.into_iter();
-        all.find(|what| what.name() == name).ok_or(UnknownWhat)
+impl Way {
+    /// The ways worth counting.
+    fn all(mechanism: &Mechanism, what: What, columns: usize) -> Vec<Self> {
+        use Mass::{Columns, Composite};
+        // Mass may move between bodies only where not all standard parameters count.
+        let regroupings: &[bool] = match columns < mechanism.parameters().len() {
+            true if what.takes_parameters() => &[true, false],
+            _ => &[false],
+        };
+        let masses: &[Mass] = match what {
+            What::MassMatrix if mechanism.closure.is_some() => &[
+                Composite(Meeting::Carried),
+                Composite(Meeting::Root),
+                Columns,
+            ],
+            What::MassMatrix => &[Composite(Meeting::Carried), Composite(Meeting::Root)],
+            _ => &[Columns],
+        };
+        let ways = regroupings
+            .iter()
+            .flat_map(|&regroup| masses.iter().map(move |&mass| Self { regroup, mass }));
+        ways.collect()
     }
 }
 
 /// Records one model of a mechanism. `columns` are the parameters that the code takes, in
 /// this order; all others count as 0: the base parameters, or all. Friction adds to tau
-/// two parameters a joint variable after them, Fv (viscous) and Fc (Coulomb).
+/// two parameters a joint variable after them, Fv (viscous) and Fc (Coulomb). Of all ways the
+/// cheapest is taken, as counting says.
 #[must_use]
 pub(crate) fn record(
     mechanism: &Mechanism,
@@ -103,14 +67,8 @@ pub(crate) fn record(
     columns: &[usize],
     friction: bool,
 ) -> Program {
-    // Mass may move between bodies only where not all standard parameters count; whether
-    // that is worth it is seen by counting.
-    let regroupings: &[bool] = match columns.len() < mechanism.parameters().len() {
-        true if what.takes_parameters() => &[true, false],
-        _ => &[false],
-    };
-    let record = |regroup: &bool| record_one(mechanism, what, columns, friction, *regroup);
-    let programs = regroupings.iter().map(record);
+    let ways = Way::all(mechanism, what, columns.len()).into_iter();
+    let programs = ways.map(|way| record_one(mechanism, what, columns, friction, way));
     let cheapest = programs.min_by_key(Program::cost);
     cheapest.expect("there is one way at least")
 }
@@ -120,20 +78,27 @@ fn record_one(
     what: What,
     columns: &[usize],
     friction: bool,
-    regroup: bool,
+    way: Way,
 ) -> Program {
     let graph = Graph::default();
-    let mut recorder = Recorder::new(&graph, mechanism, columns, regroup);
+    let mut recorder = Recorder::new(&graph, mechanism, columns, way.regroup);
     let outputs = match what {
         What::Tau => recorder.tau(friction),
         What::Gravity => recorder.gravity(),
-        What::MassMatrix => recorder.mass_matrix(),
+        What::MassMatrix => recorder.mass_matrix(way.mass),
         What::Regressor => recorder.regressor(columns),
         What::Energy => recorder.energy(columns),
     };
     let outputs = outputs.iter().map(|x| x.at).collect();
     let inputs = recorder.inputs;
     Program::new(graph, inputs, outputs)
+}
+
+/// How base and bodies move.
+struct Motion<'g> {
+    base: Option<BaseState<Recorded<'g>>>,
+    /// One entry a body.
+    joints: Vec<JointMotion<Recorded<'g>>>,
 }
 
 struct Recorder<'g> {
@@ -145,6 +110,8 @@ struct Recorder<'g> {
     /// How each joint variable moves: by the independent coordinates; if loops determine
     /// them, the code takes them all, and G.
     joints: Vec<Jet<Recorded<'g>>>,
+    /// Where a base that floats is and how it moves.
+    base: Option<BaseState<Recorded<'g>>>,
     /// Number of independent coordinates m.
     independent: usize,
     /// Whether mass moves between bodies as no motion can tell.
@@ -162,10 +129,14 @@ impl<'g> Recorder<'g> {
         let tree = Tree::of(mechanism);
         let shapes = Shape::of(&tree);
         let tree = tree.map(|x| Recorded::constant(graph, x));
-        let (joints, mut inputs) = joints(graph, mechanism);
+        let Coordinates {
+            joints,
+            base,
+            mut inputs,
+        } = Coordinates::of(graph, mechanism, tree.constants);
         let rows = joints.iter().map(|joint| {
             let row = joint.gradient.iter().copied().enumerate();
-            let acts = row.filter(|(_, g)| graph.value(g.at) != Some(0.0));
+            let acts = row.filter(|(_, g)| g.value() != Some(0.0));
             acts.collect()
         });
         let transmission = Transmission::from_rows(rows);
@@ -180,6 +151,7 @@ impl<'g> Recorder<'g> {
             shapes,
             transmission,
             joints,
+            base,
             independent: mechanism.independent(),
             regroup,
             space,
@@ -195,24 +167,26 @@ impl<'g> Recorder<'g> {
         terms.fold(self.zero(), |sum, term| sum + term)
     }
 
-    /// How the bodies move; velocities and accelerations of the joint variables as given.
+    /// How base and bodies move; velocities and accelerations of the joint variables as given.
     fn motion(
         &self,
         qd: impl Fn(usize) -> Recorded<'g>,
         qdd: impl Fn(usize) -> Recorded<'g>,
-    ) -> Vec<JointMotion<Recorded<'g>>> {
-        let (zero, one) = (self.tree.constants.zero, self.tree.constants.one);
+    ) -> Motion<'g> {
+        let (zero, one) = (self.zero(), self.tree.constants.one);
+        let still = JointMotion {
+            cos: one,
+            sin: zero,
+            versine: zero,
+            q: zero,
+            qd: zero,
+            qdd: zero,
+        };
         let of_body = |(j, body): (usize, &Body<Recorded<'g>>)| {
             self.graph.set_link(j);
-            let still = JointMotion {
-                cos: one,
-                sin: zero,
-                versine: zero,
-                q: zero,
-                qd: zero,
-                qdd: zero,
+            let Some(i) = body.variable.filter(|_| body.joint.has_axis()) else {
+                return still;
             };
-            let Some(i) = body.variable else { return still };
             let q = self.joints[i].value;
             let moving = JointMotion {
                 qd: qd(i),
@@ -230,7 +204,16 @@ impl<'g> Recorder<'g> {
             }
         };
         let bodies = self.tree.bodies.iter().enumerate();
-        bodies.map(of_body).collect()
+        Motion {
+            joints: bodies.map(of_body).collect(),
+            base: self.base.map(|base| BaseState {
+                v: [0, 1, 2].map(&qd),
+                w: [3, 4, 5].map(&qd),
+                dv: [0, 1, 2].map(&qdd),
+                dw: [3, 4, 5].map(&qdd),
+                ..base
+            }),
+        }
     }
 
     /// G' tau: the torques of the independent coordinates.
@@ -248,12 +231,12 @@ impl<'g> Recorder<'g> {
         self.tree.constants.zero
     }
 
-    fn newton_euler(&self, motion: &[JointMotion<Recorded<'g>>]) -> Vec<Recorded<'g>> {
+    fn newton_euler(&self, motion: &Motion<'g>) -> Vec<Recorded<'g>> {
         let parameters = (&self.space, &self.x[..]);
         newton_euler(
             &self.tree,
             &self.shapes,
-            motion,
+            (motion.base.as_ref(), &motion.joints),
             parameters,
             self.regroup,
             |link| {
@@ -265,15 +248,15 @@ impl<'g> Recorder<'g> {
     fn tau(&mut self, friction: bool) -> Vec<Recorded<'g>> {
         let mut tau =
             self.newton_euler(&self.motion(|i| self.joints[i].rate, |i| self.joints[i].second));
-        let moving: Vec<usize> = (0..self.tree.bodies.len())
-            .filter(|&j| friction && self.tree.bodies[j].variable.is_some())
-            .collect();
-        for (i, j) in moving.into_iter().enumerate() {
+        let joints = self.tree.bodies.iter().enumerate();
+        let joints = joints.filter(|(_, body)| friction && body.joint.has_axis());
+        for (count, (j, body)) in joints.enumerate() {
+            let Some(i) = body.variable else { continue };
             self.graph.set_link(j);
             let qd = self.joints[i].rate;
             let first = self.inputs.len();
             let [fv, fc] = [first, first + 1].map(|at| Recorded::input(self.graph, at));
-            let place = self.width + 2 * i;
+            let place = self.width + 2 * count;
             self.inputs
                 .extend([Input::Parameter(place), Input::Parameter(place + 1)]);
             tau[i] = tau[i] + fv * qd + fc * qd.sign();
@@ -286,16 +269,56 @@ impl<'g> Recorder<'g> {
         self.projected(&self.newton_euler(&self.motion(|_| zero, |_| zero)))
     }
 
-    /// Column k: the torques of a unit acceleration of coordinate k, without gravity. The
-    /// matrix is symmetric: what is above the diagonal is taken from below.
-    fn mass_matrix(&mut self) -> Vec<Recorded<'g>> {
+    /// G' M G, without gravity.
+    fn mass_matrix(&mut self, mass: Mass) -> Vec<Recorded<'g>> {
+        self.tree.gravity = [self.zero(); 3];
+        match mass {
+            Mass::Columns => self.mass_matrix_by_columns(),
+            Mass::Composite(meeting) => self.mass_matrix_of_composites(meeting),
+        }
+    }
+
+    /// Column k: the torques of a unit acceleration of coordinate k. The matrix is symmetric:
+    /// what is above the diagonal is taken from below.
+    fn mass_matrix_by_columns(&self) -> Vec<Recorded<'g>> {
         let (zero, one) = (self.zero(), self.tree.constants.one);
-        self.tree.gravity = [zero; 3];
         let m = self.independent;
         let mut matrix = vec![zero; m * m];
         for k in 0..m {
             let unit = |i: usize| self.transmitted(i, |place| if place == k { one } else { zero });
             let column = self.projected(&self.newton_euler(&self.motion(|_| zero, unit)));
+            for i in 0..=k {
+                matrix[i * m + k] = column[i];
+                matrix[k * m + i] = column[i];
+            }
+        }
+        matrix
+    }
+
+    fn mass_matrix_of_composites(&self, meeting: Meeting) -> Vec<Recorded<'g>> {
+        let zero = self.zero();
+        let parameters = (&self.space, &self.x[..]);
+        let own = Moments::of(&self.tree, &self.shapes, parameters, self.regroup);
+        let composite = Composite {
+            graph: self.graph,
+            tree: &self.tree,
+            shapes: &self.shapes,
+            motion: &self.motion(|_| zero, |_| zero).joints,
+        };
+        let mut joints = composite.mass_matrix(&own, meeting);
+        for (j, body) in self.tree.bodies.iter().enumerate() {
+            if let Some(i) = body.variable.filter(|_| body.rotor) {
+                self.graph.set_link(j);
+                joints[i][i] = joints[i][i] + self.x[self.space.first_column(j) + 10];
+            }
+        }
+        // M G, then G' M G above the diagonal.
+        let half: Vec<_> = joints.iter().map(|row| self.projected(row)).collect();
+        let m = self.independent;
+        let mut matrix = vec![zero; m * m];
+        for k in 0..m {
+            let column: Vec<_> = half.iter().map(|row| row[k]).collect();
+            let column = self.projected(&column);
             for i in 0..=k {
                 matrix[i * m + k] = column[i];
                 matrix[k * m + i] = column[i];
@@ -311,14 +334,22 @@ impl<'g> Recorder<'g> {
                 transmission: &self.transmission,
                 inner: sink,
             };
-            dynamics(tree, &motion, &mut DynamicsWorkspace::new(tree), &mut sink);
+            let mut workspace = DynamicsWorkspace::new(tree);
+            if let Some(base) = &motion.base {
+                workspace.move_base(tree, base);
+            }
+            dynamics(tree, &motion.joints, &mut workspace, &mut sink);
         })
     }
 
     fn energy(&mut self, columns: &[usize]) -> Vec<Recorded<'g>> {
         let motion = self.motion(|i| self.joints[i].rate, |_| self.zero());
         self.rows(columns, 1, |tree, sink| {
-            energy(tree, &motion, &mut EnergyWorkspace::new(tree), sink);
+            let mut workspace = EnergyWorkspace::new(tree);
+            if let Some(base) = &motion.base {
+                workspace.move_base(tree, base);
+            }
+            energy(tree, &motion.joints, &mut workspace, sink);
         })
     }
 
@@ -342,65 +373,4 @@ impl<'g> Recorder<'g> {
         fill(&self.tree, &mut sink);
         rows
     }
-}
-
-/// How each joint variable moves, and the inputs by which it does: the independent
-/// coordinates, or all variables and G where loops determine them.
-fn joints<'g>(graph: &'g Graph, mechanism: &Mechanism) -> (Vec<Jet<Recorded<'g>>>, Vec<Input>) {
-    let loops = mechanism.assembly.is_some();
-    let (n, m) = (mechanism.dof(), mechanism.independent());
-    let taken = if loops { n } else { m };
-    let mut inputs: Vec<Input> = (0..taken).map(Input::Q).collect();
-    inputs.extend((0..taken).map(Input::Qd));
-    inputs.extend((0..taken).map(Input::Qdd));
-    let number = |x: f64| Recorded::constant(graph, x);
-    let moving = |k: usize, gradient| Jet {
-        value: Recorded::input(graph, k),
-        rate: Recorded::input(graph, taken + k),
-        second: Recorded::input(graph, 2 * taken + k),
-        gradient,
-    };
-    let unit = |k: usize| -> Vec<_> {
-        let entry = |i: usize| number(if i == k { 1.0 } else { 0.0 });
-        (0..m).map(entry).collect()
-    };
-    let coordinates: Vec<_> = (0..m).map(|k| moving(k, unit(k))).collect();
-    let Some(closure) = &mechanism.closure else {
-        return (coordinates, inputs);
-    };
-    let mut joints: Vec<_> = Vec::with_capacity(n);
-    for (i, law) in closure.laws.iter().enumerate() {
-        joints.push(match law {
-            VariableLaw::Independent(place) if loops => moving(i, unit(*place)),
-            VariableLaw::Independent(place) => coordinates[*place].clone(),
-            VariableLaw::Affine(law) if !loops => sum(&coordinates, law, &number),
-            // Joints that follow by expressions come below.
-            VariableLaw::Formula(_) => Jet::constant(number(0.0), m),
-            VariableLaw::Affine(_) | VariableLaw::Implicit => {
-                let first = inputs.len();
-                inputs.extend((0..m).map(|k| Input::G(i, k)));
-                let row = (first..inputs.len()).map(|at| Recorded::input(graph, at));
-                moving(i, row.collect())
-            }
-        });
-    }
-    for &i in &closure.formulas {
-        if let VariableLaw::Formula(formula) = &closure.laws[i] {
-            joints[i] = formula.jet(&joints, &|x| number(x.value), m);
-        }
-    }
-    (joints, inputs)
-}
-
-/// The sum of multiples that a law says.
-fn sum<'g>(
-    coordinates: &[Jet<Recorded<'g>>],
-    law: &AffineLaw,
-    number: &impl Fn(f64) -> Recorded<'g>,
-) -> Jet<Recorded<'g>> {
-    let offset = Jet::constant(number(law.offset.value), coordinates.len());
-    let terms = law.terms.iter();
-    terms.fold(offset, |sum, (place, factor)| {
-        sum.combined(number(1.0), &coordinates[*place], number(factor.value))
-    })
 }

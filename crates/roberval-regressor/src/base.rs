@@ -106,15 +106,18 @@ fn pairs<T: Scalar>(a: T, b: T, c: T, d: T) -> T {
 }
 
 #[inline(always)]
-pub(crate) fn squared_length<T: Scalar>([x, y, z, w]: [T; 4]) -> T {
+/// The squared length of a quaternion.
+#[must_use]
+pub fn squared_length<T: Scalar>([x, y, z, w]: [T; 4]) -> T {
     x * x + y * y + z * z + w * w
 }
 
 impl<T: Scalar> BaseState<T> {
     /// The state in the coordinates of the user: q begins with x y z qx qy qz qw, qd with
-    /// the velocities `v w`, qdd with `dv dw`. The quaternion may have any length, whose square's inverse is given.
+    /// the velocities `v w`, qdd with `dv dw`. The quaternion may have any length, whose
+    /// square's inverse is given.
     #[inline(always)]
-    pub(crate) fn of([q, qd, qdd]: [&[T]; 3], constants: Constants<T>, inverse_square: T) -> Self {
+    pub fn of([q, qd, qdd]: [&[T]; 3], constants: Constants<T>, inverse_square: T) -> Self {
         Self {
             attitude: attitude([q[3], q[4], q[5], q[6]], inverse_square, constants),
             position: [q[0], q[1], q[2]],

@@ -20,6 +20,7 @@ mod formulas;
 mod frame;
 mod lanes;
 mod loops;
+mod moments;
 mod motion;
 mod newton_euler;
 mod packed;
@@ -33,7 +34,7 @@ mod tree;
 mod tree_states;
 mod vector;
 
-pub use base::BaseState;
+pub use base::{BaseState, squared_length};
 pub use batch::{Columns, Model, Regressor, STREAM_BYTES};
 pub use dynamics::{DynamicsWorkspace, dynamics};
 pub use energy::{EnergyWorkspace, energy};
@@ -44,8 +45,9 @@ pub use exact::{
 };
 pub use expansion::{Expansion, JointStates, NoValue};
 pub use frame::{Aligned, Layout};
+pub use moments::{Moments, Shape};
 pub use motion::JointMotion;
-pub use newton_euler::{Shape, newton_euler};
+pub use newton_euler::newton_euler;
 pub use packed::PackedLayout;
 pub use sink::{DenseRows, SelectedRows, Sink, Torques};
 pub use states::{RegressorError, States};

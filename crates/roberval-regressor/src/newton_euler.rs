@@ -3,51 +3,15 @@
 //! Newton and Euler's recursion with what is known to make it cheap: the products of
 //! velocities are shared through U (Khalil and Kleinfinger 1987). Two identities more are
 //! used here. The points of a revolute joint's axis belong to both bodies, so that the
-//! column of U along the axis is the antecedent's, turned. And a distribution of mass along
-//! that axis belongs to either body: with the second moments `S = tr(J)/2 - J` the one
-//! along the axis can be the antecedent's, which leaves zeros.
+//! column of U along the axis is the antecedent's, turned. And mass on that axis belongs to
+//! either body ([`Moments`]), which leaves zeros.
 
 use roberval_mechanism::{JointKind, ParameterSpace};
 use roberval_scalar::Scalar;
 
 use crate::dynamics::{BodyState, acceleration_field};
-use crate::vector::{Mat3, Vec3, add, apply, apply_transposed, cross, dot, product, scale};
-use crate::{Body, JointMotion, Tree};
-
-/// What about a body is zero or one, which a scalar cannot be asked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Shape {
-    /// The coordinate axis along or against which a revolute joint's axis points.
-    pub along: Option<usize>,
-    /// Whether the constant rotation only permutes the axes and their signs.
-    pub right: bool,
-}
-
-impl Shape {
-    /// The shapes of a tree's bodies.
-    #[must_use]
-    pub fn of(tree: &Tree<f64>) -> Vec<Self> {
-        let whole = |x: &f64| *x == 0.0 || x.abs() == 1.0;
-        let shape = |body: &Body<f64>| Self {
-            along: match body.joint {
-                JointKind::Revolute => body.axis.iter().position(|x| x.abs() == 1.0),
-                _ => None,
-            },
-            right: body.rotation.iter().flatten().all(whole),
-        };
-        tree.bodies.iter().map(shape).collect()
-    }
-}
-
-/// The inertial parameters of a body as mass moments.
-#[derive(Debug, Clone, Copy)]
-struct Moments<T> {
-    /// Second moments: the integral of x x'.
-    second: Mat3<T>,
-    /// First moments.
-    first: Vec3<T>,
-    mass: T,
-}
+use crate::vector::{Vec3, add, apply, apply_transposed, cross, dot, scale};
+use crate::{BaseState, Body, JointMotion, Moments, Shape, Tree};
 
 /// The force of a body and all it carries on its antecedent, and the moment about the
 /// body's origin, in the body's frame.
@@ -60,32 +24,31 @@ struct Wrench<T> {
 /// The torques d X by Newton and Euler's recursion: velocities outward, forces inward.
 /// The same function of X as [`crate::dynamics`] with the sink [`crate::Torques`].
 ///
-/// `motion` and `shapes` have one entry a body, `x` one number a column of `space`;
-/// `regroup` moves mass between bodies as no motion can tell, which is worth it if X are
-/// base parameters; `turn` is called with a body's index when its turn begins, outward and
-/// again inward. Gives one torque (or force) a joint variable.
+/// `motion` and `shapes` have one entry a body, `x` one number a column of `space`; `base` is
+/// where the base of a floating robot is; `regroup` moves mass between bodies as no motion can
+/// tell, which is worth it if X are base parameters; `turn` is called with a body's index when
+/// its turn begins, outward and again inward. Gives one torque (or force) a joint variable, and
+/// of a base that floats the force, then the moment on it, in its frame.
 pub fn newton_euler<T: Scalar>(
     tree: &Tree<T>,
     shapes: &[Shape],
-    motion: &[JointMotion<T>],
+    (base, motion): (Option<&BaseState<T>>, &[JointMotion<T>]),
     (space, x): (&ParameterSpace, &[T]),
     regroup: bool,
     mut turn: impl FnMut(usize),
 ) -> Vec<T> {
     let zero = tree.constants.zero;
-    let base = BodyState {
-        w: [zero; 3],
-        dw: [zero; 3],
-        a: tree.gravity.map(|g| -g),
-        u: [[zero; 3]; 3],
-    };
+    let ground = resting(zero, tree.gravity.map(|g| -g));
     let mut states: Vec<BodyState<T>> = Vec::with_capacity(tree.bodies.len());
     for (j, body) in tree.bodies.iter().enumerate() {
         turn(j);
-        let parent = body.antecedent.map_or(&base, |a| &states[a]);
-        states.push(outward(body, shapes[j], &motion[j], parent));
+        let parent = body.antecedent.map_or(&ground, |a| &states[a]);
+        states.push(match base.filter(|_| body.joint == JointKind::Floating) {
+            Some(base) => floating(tree, base),
+            None => outward(body, shapes[j], &motion[j], parent),
+        });
     }
-    let moments = moments(tree, shapes, space, x, regroup);
+    let moments = Moments::of(tree, shapes, (space, x), regroup);
     let still = Wrench {
         f: [zero; 3],
         n: [zero; 3],
@@ -96,16 +59,18 @@ pub fn newton_euler<T: Scalar>(
         turn(j);
         let own = inertia_forces(&states[j], shapes[j], &moments[j]);
         let (f, n) = (add(own.f, carried[j].f), add(own.n, carried[j].n));
-        if let Some(row) = body.variable {
-            let along = match body.joint {
-                JointKind::Prismatic => f,
-                _ => n,
-            };
-            torques[row] = dot(body.axis, along);
-            if body.rotor {
-                let ia = x[space.first_column(j) + 10];
-                torques[row] = torques[row] + ia * motion[j].qdd * body.axis_squared;
+        match (body.joint, body.variable) {
+            (JointKind::Floating, Some(row)) => {
+                torques[row..row + 3].copy_from_slice(&f);
+                torques[row + 3..row + 6].copy_from_slice(&n);
             }
+            (JointKind::Prismatic, Some(row)) => torques[row] = dot(body.axis, f),
+            (_, Some(row)) => torques[row] = dot(body.axis, n),
+            (_, None) => {}
+        }
+        if let Some(row) = body.variable.filter(|_| body.rotor) {
+            let ia = x[space.first_column(j) + 10];
+            torques[row] = torques[row] + ia * motion[j].qdd * body.axis_squared;
         }
         if let Some(a) = body.antecedent {
             let (f, n) = (turned(body, &motion[j], f), turned(body, &motion[j], n));
@@ -114,6 +79,26 @@ pub fn newton_euler<T: Scalar>(
         }
     }
     torques
+}
+
+/// The state of a body without velocities.
+fn resting<T: Scalar>(zero: T, a: Vec3<T>) -> BodyState<T> {
+    BodyState {
+        w: [zero; 3],
+        dw: [zero; 3],
+        a,
+        u: [[zero; 3]; 3],
+    }
+}
+
+/// The state of a base that floats.
+fn floating<T: Scalar>(tree: &Tree<T>, base: &BaseState<T>) -> BodyState<T> {
+    BodyState {
+        w: base.w,
+        dw: base.dw,
+        a: base.acceleration(tree),
+        u: acceleration_field(base.w, base.dw),
+    }
 }
 
 /// Velocities and accelerations from the antecedent's.
@@ -160,60 +145,6 @@ fn outward<T: Scalar>(
         u[k][k] = u0[k][k];
     }
     BodyState { w, dw, a, u }
-}
-
-/// The bodies' moments; with `regroup`, second moments along a revolute joint's axis, and
-/// those of bodies that do not turn against their antecedent, are the antecedent's.
-fn moments<T: Scalar>(
-    tree: &Tree<T>,
-    shapes: &[Shape],
-    space: &ParameterSpace,
-    x: &[T],
-    regroup: bool,
-) -> Vec<Moments<T>> {
-    let constants = tree.constants;
-    let zero = constants.zero;
-    let nothing = Moments {
-        second: [[zero; 3]; 3],
-        first: [zero; 3],
-        mass: zero,
-    };
-    let of_body = |j: usize| {
-        if tree.bodies[j].massless {
-            return nothing;
-        }
-        let &[xx, xy, xz, yy, yz, zz, mx, my, mz, mass] = &x[space.first_column(j)..][..10] else {
-            unreachable!("ten parameters");
-        };
-        let half = |x: T| x * constants.half;
-        Moments {
-            second: [
-                [half(yy + zz - xx), -xy, -xz],
-                [-xy, half(xx + zz - yy), -yz],
-                [-xz, -yz, half(xx + yy - zz)],
-            ],
-            first: [mx, my, mz],
-            mass,
-        }
-    };
-    let mut moments: Vec<Moments<T>> = (0..tree.bodies.len()).map(of_body).collect();
-    for (j, body) in tree.bodies.iter().enumerate().rev().filter(|_| regroup) {
-        let mut moved = [[constants.zero; 3]; 3];
-        let second = &mut moments[j].second;
-        match (body.joint, shapes[j].along) {
-            (JointKind::Revolute, None) => continue,
-            (JointKind::Revolute, Some(k)) => {
-                std::mem::swap(&mut moved[k][k], &mut second[k][k]);
-            }
-            _ => std::mem::swap(&mut moved, second),
-        }
-        if let Some(antecedent) = body.antecedent {
-            let turned = product(&body.rotation, &moved).map(|row| apply(&body.rotation, row));
-            let second = &mut moments[antecedent].second;
-            *second = std::array::from_fn(|row| add(second[row], turned[row]));
-        }
-    }
-    moments
 }
 
 /// What the body's motion takes: `f = M a + U ms`, `n = J dw + w x J w + ms x a`; the
