@@ -10,7 +10,8 @@ use roberval_mechanism::JointKind;
 use roberval_regressor::{Body, JointMotion, Moments, Shape, Tree};
 use roberval_scalar::vector::{Mat3, Vec3, add, apply, cross, dot, product, rotation_about, scale};
 
-use crate::graph::{Graph, Recorded};
+use crate::graph::Graph;
+use crate::recorded::Recorded;
 use crate::turns::{congruent, symmetric, turned_about, turns};
 
 /// How momenta meet the joints further in.

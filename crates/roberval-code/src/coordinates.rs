@@ -4,8 +4,9 @@ use roberval_mechanism::{AffineLaw, Mechanism, VariableLaw};
 use roberval_regressor::{BaseState, Constants, squared_length};
 use roberval_scalar::Jet;
 
-use crate::graph::{Graph, Recorded};
+use crate::graph::Graph;
 use crate::program::Input;
+use crate::recorded::Recorded;
 
 /// How many coordinates a position of the code has more than a velocity: a quaternion has
 /// four numbers for three.

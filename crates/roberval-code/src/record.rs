@@ -9,8 +9,9 @@ use roberval_scalar::Jet;
 
 use crate::composite::{Composite, Meeting};
 use crate::coordinates::Coordinates;
-use crate::graph::{Graph, Recorded};
+use crate::graph::Graph;
 use crate::program::{Input, Program};
+use crate::recorded::Recorded;
 use crate::what::What;
 
 /// A way of recording.
@@ -91,7 +92,7 @@ fn record_one(
     };
     let outputs = outputs.iter().map(|x| x.at).collect();
     let inputs = recorder.inputs;
-    Program::new(graph, inputs, outputs)
+    Program::new(graph, inputs, outputs).factored()
 }
 
 /// How base and bodies move.
@@ -142,7 +143,7 @@ impl<'g> Recorder<'g> {
         let transmission = Transmission::from_rows(rows);
         let mut x = vec![tree.constants.zero; space.len()];
         for (place, &column) in columns.iter().enumerate() {
-            x[column] = Recorded::input(graph, inputs.len());
+            x[column] = Recorded::parameter(graph, inputs.len());
             inputs.push(Input::Parameter(place));
         }
         Self {
@@ -255,7 +256,7 @@ impl<'g> Recorder<'g> {
             self.graph.set_link(j);
             let qd = self.joints[i].rate;
             let first = self.inputs.len();
-            let [fv, fc] = [first, first + 1].map(|at| Recorded::input(self.graph, at));
+            let [fv, fc] = [first, first + 1].map(|at| Recorded::parameter(self.graph, at));
             let place = self.width + 2 * count;
             self.inputs
                 .extend([Input::Parameter(place), Input::Parameter(place + 1)]);

@@ -2,7 +2,7 @@
 
 use roberval_scalar::vector::{Mat3, apply, product};
 
-use crate::graph::Recorded;
+use crate::recorded::Recorded;
 
 /// A symmetric matrix from its entries of row i <= column k.
 pub(crate) fn symmetric<'g>(entry: impl Fn(usize, usize) -> Recorded<'g>) -> Mat3<Recorded<'g>> {
