@@ -26,9 +26,6 @@ pub enum CodeError {
     /// Friction was asked of something else than tau.
     #[error("friction is a part of tau only, not of {}", .0.name())]
     Friction(What),
-    /// The base floats.
-    #[error("code is written for a base that stands still, not for one that floats")]
-    Floating,
 }
 
 /// Straight-line code of one model of a robot.
@@ -38,10 +35,13 @@ pub struct Code {
     pub what: What,
     /// The robot's name as in its file.
     pub robot: String,
+    /// The link that floats, if the base does: q begins with the seven coordinates of its
+    /// place and attitude, qd and qdd with six, as [`roberval_regressor::States`] says.
+    pub floating: Option<String>,
     /// The joint variables that it takes, the independent ones (all, if there are loops):
     /// the link that each moves, and whether by turning.
     pub joints: Vec<(String, JointKind)>,
-    /// Number of independent joint variables m: the torques'.
+    /// Number of independent variables m: the torques', and a floating base's six.
     pub independent: usize,
     /// Whether loops determine joint variables: then q, qd and qdd are those of all n
     /// joints, and the code takes also G (n x m, qd = G qad).
@@ -66,9 +66,6 @@ impl Code {
         if request.friction && what != What::Tau {
             return Err(CodeError::Friction(what));
         }
-        if mechanism.is_floating() {
-            return Err(CodeError::Floating);
-        }
         let program = record(mechanism, what, request.columns, request.friction);
         let (prepare, main) = match program.divided() {
             Some((prepare, main)) => (Some(prepare), main),
@@ -77,10 +74,7 @@ impl Code {
         let space = mechanism.parameters();
         let labels = request.columns.iter().map(|&c| space.labels()[c].clone());
         let mut parameters: Vec<String> = labels.collect();
-        let moving = mechanism
-            .links
-            .iter()
-            .filter(|l| l.joint != JointKind::Fixed);
+        let moving = mechanism.links.iter().filter(|l| l.joint.has_axis());
         let moving: Vec<_> = moving.map(|l| (l.name.clone(), l.joint)).collect();
         if request.friction {
             let names = moving
@@ -92,13 +86,17 @@ impl Code {
         let joints = match &mechanism.closure {
             Some(closure) if !loops => {
                 let independent = closure.independent.iter();
-                independent.map(|&i| moving[i].clone()).collect()
+                let joints = independent.filter_map(|i| i.checked_sub(mechanism.base_variables()));
+                joints.map(|i| moving[i].clone()).collect()
             }
             _ => moving,
         };
         Ok(Self {
             what,
             robot: mechanism.name.clone(),
+            floating: mechanism
+                .is_floating()
+                .then(|| mechanism.links[0].name.clone()),
             joints,
             independent: mechanism.independent(),
             loops,
@@ -113,6 +111,18 @@ impl Code {
     #[must_use]
     pub fn function(&self) -> String {
         format!("{}_{}", identifier(&self.robot), self.what.name())
+    }
+
+    /// How many numbers q has.
+    #[must_use]
+    pub fn positions(&self) -> usize {
+        self.joints.len() + if self.floating.is_some() { 7 } else { 0 }
+    }
+
+    /// How many numbers qd has, and qdd.
+    #[must_use]
+    pub fn velocities(&self) -> usize {
+        self.joints.len() + if self.floating.is_some() { 6 } else { 0 }
     }
 
     /// The shape of the result at one state.

@@ -95,10 +95,13 @@ impl Code {
     }
 
     fn main_function(&self) -> Function<'_> {
-        let n = self.joints.len();
-        let mut inputs: Vec<(&str, usize)> = self.what.states().iter().map(|s| (*s, n)).collect();
+        let width = |state: &&'static str| match *state {
+            "q" => ("q", self.positions()),
+            rate => (rate, self.velocities()),
+        };
+        let mut inputs: Vec<(&str, usize)> = self.what.states().iter().map(width).collect();
         if self.takes_transmission() {
-            inputs.push(("g", n * self.independent));
+            inputs.push(("g", self.velocities() * self.independent));
         }
         match &self.prepare {
             _ if !self.what.takes_parameters() => {}
@@ -161,6 +164,30 @@ impl Code {
             ));
         }
         notes.push(String::new());
+        notes.extend(self.state_notes());
+        notes.push(self.parameters_title().to_owned());
+        for (at, label) in self.parameters.iter().enumerate() {
+            notes.push(format!("  {} {} [{}]", at + 1, plain(label), unit(label)));
+        }
+        notes
+    }
+
+    /// What the numbers of a state are, and of the results.
+    fn state_notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let Some(base) = &self.floating {
+            let base = plain(base);
+            notes.extend([
+                format!("link {base} floats. Before the joints stand"),
+                "  in q: place of its origin [m], attitude as a quaternion x y z w,".to_owned(),
+                "  both in the frame in which it floats;".to_owned(),
+                "  in qd: velocity v of its origin [m/s], angular velocity w [rad/s],".to_owned(),
+                "  both in its own frame;".to_owned(),
+                "  in qdd: the rates of these six numbers (the origin accelerates by".to_owned(),
+                "  dv + w x v);".to_owned(),
+                "  among results: force [N], then moment [Nm] on it, in its own frame".to_owned(),
+            ]);
+        }
         notes.push("joint variables q, in rad or m; qd and qdd a s and a s^2:".to_owned());
         for (at, (name, kind)) in self.joints.iter().enumerate() {
             let unit = match kind {
@@ -170,16 +197,12 @@ impl Code {
             notes.push(format!("  {} link {} [{unit}]", at + 1, plain(name)));
         }
         if self.takes_transmission() {
-            let n = self.joints.len();
+            let n = self.velocities();
             notes.push(format!(
                 "loops: q, qd and qdd are those of all {n} joints; g is G with qd = G qda, {n} x {},",
                 self.independent
             ));
             notes.push("row after row; results are those of the independent joints".to_owned());
-        }
-        notes.push(self.parameters_title().to_owned());
-        for (at, label) in self.parameters.iter().enumerate() {
-            notes.push(format!("  {} {} [{}]", at + 1, plain(label), unit(label)));
         }
         notes
     }
@@ -221,13 +244,13 @@ fn statements(
     language: Language,
 ) -> (Vec<Statement>, Vec<String>) {
     let frame = Frame(language);
-    let input = |input: Input| match input {
-        Input::Q(k) => frame.element("q", k),
-        Input::Qd(k) => frame.element("qd", k),
-        Input::Qdd(k) => frame.element("qdd", k),
-        Input::G(i, k) => frame.matrix_element("g", i, k, columns),
-        Input::Parameter(k) => frame.constant_element("x", k),
-        Input::Prepared(k) => frame.constant_element("k", k),
+    let input = |input: Input| {
+        let array = input.array();
+        match input {
+            Input::Q(k) | Input::Qd(k) | Input::Qdd(k) => frame.element(array, k),
+            Input::G(i, k) => frame.matrix_element(array, i, k, columns),
+            Input::Parameter(k) | Input::Prepared(k) => frame.constant_element(array, k),
+        }
     };
     expression::statements(program, &frame.words(), input)
 }

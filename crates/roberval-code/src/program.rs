@@ -49,6 +49,18 @@ pub enum Input {
 }
 
 impl Input {
+    /// The name of the array that it stands in.
+    pub(crate) fn array(self) -> &'static str {
+        match self {
+            Self::Q(_) => "q",
+            Self::Qd(_) => "qd",
+            Self::Qdd(_) => "qdd",
+            Self::G(..) => "g",
+            Self::Parameter(_) => "x",
+            Self::Prepared(_) => "k",
+        }
+    }
+
     /// Whether this is the same at every state.
     #[must_use]
     pub fn is_constant(self) -> bool {

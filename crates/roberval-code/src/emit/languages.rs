@@ -168,6 +168,19 @@ fn has_sign(function: &Function<'_>) -> bool {
     has(function, |op| matches!(op, Op::Sign(_)))
 }
 
+/// The input arrays of which nothing is needed.
+fn unread(function: &Function<'_>) -> Vec<&'static str> {
+    let inputs = &function.program.inputs;
+    let read = |name: &str| {
+        has(
+            function,
+            |op| matches!(op, Op::Input(k) if inputs[*k as usize].array() == name),
+        )
+    };
+    let names = function.inputs.iter().map(|(name, _)| *name);
+    names.filter(|name| !read(name)).collect()
+}
+
 fn names(function: &Function<'_>) -> String {
     let names: Vec<&str> = function.inputs.iter().map(|(name, _)| *name).collect();
     names.join(", ")
@@ -184,8 +197,12 @@ fn c_head(function: &Function<'_>) -> String {
         true => "static double sign(double x)\n{\n    return (x > 0.0) - (x < 0.0);\n}\n\n",
         false => "",
     };
+    let unread: String = unread(function)
+        .iter()
+        .map(|name| format!("    (void){name};\n"))
+        .collect();
     format!(
-        "{sign}void {}({}, double {output}[{size}])\n{{\n",
+        "{sign}void {}({}, double {output}[{size}])\n{{\n{unread}",
         function.name,
         inputs.join(", ")
     )
@@ -213,6 +230,10 @@ fn rust_head(function: &Function<'_>) -> String {
         ),
     ];
     let given: String = given.iter().filter(|g| g.0).map(|g| g.1).collect();
+    let unread: String = unread(function)
+        .iter()
+        .map(|name| format!("    let _ = {name};\n"))
+        .collect();
     let sign = match has_sign(function) {
         true => {
             "    let sign = |x: f64| if x > 0.0 { 1.0 } else if x < 0.0 { -1.0 } else { 0.0 };\n"
@@ -220,8 +241,8 @@ fn rust_head(function: &Function<'_>) -> String {
         false => "",
     };
     format!(
-        "#[allow(unused_variables, unused_parens, clippy::all)]\n#[rustfmt::skip]\n\
-         pub fn {}({given}{}, {output}: &mut [f64; {size}]) {{\n{sign}",
+        "#[allow(clippy::all)]\n#[rustfmt::skip]\n\
+         pub fn {}({given}{}, {output}: &mut [f64; {size}]) {{\n{unread}{sign}",
         function.name,
         inputs.join(", ")
     )

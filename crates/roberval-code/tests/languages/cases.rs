@@ -3,7 +3,7 @@
 use roberval_base::{Options, base_parameters};
 use roberval_code::{Code, Request, What};
 use roberval_formats::parse_toml;
-use roberval_mechanism::{JointKind, Mechanism, SourceFormat};
+use roberval_mechanism::{JointKind, Mechanism, RobotDescription, SourceFormat};
 use roberval_regressor::{Expansion, Model, Regressor, States};
 use roberval_scalar::SplitMix64;
 use roberval_testkit::{Angles, Family};
@@ -41,7 +41,14 @@ impl Case {
         let mut draw =
             |count: usize| -> Vec<f64> { (0..count).map(|_| random.uniform(-1.0, 1.0)).collect() };
         let n = mechanism.independent();
-        let independent = [0; 3].map(|_| draw(SAMPLES * n));
+        let mut independent = [0; 3].map(|_| draw(SAMPLES * n));
+        if mechanism.is_floating() {
+            independent[0] = draw(SAMPLES * (n + 1));
+            independent[0].chunks_exact_mut(n + 1).for_each(|q| {
+                let length = q[3..7].iter().map(|x| x * x).sum::<f64>().sqrt();
+                q[3..7].iter_mut().for_each(|x| *x /= length);
+            });
+        }
         let x = draw(code.parameters.len());
         let [q, qd, qdd, g] = match code.loops {
             true => expanded(mechanism, &independent),
@@ -70,15 +77,20 @@ impl Case {
     /// The library's answer at one sample.
     fn expect(&self, what: What, columns: &[usize], friction: bool, sample: usize) -> Vec<f64> {
         let n = self.mechanism.independent();
-        let at = sample * n..(sample + 1) * n;
-        let [q, qd, qdd] = self.independent.each_ref().map(|x| &x[at.clone()]);
+        let states = self.independent.each_ref();
+        let [q, qd, qdd] = states.map(|x| {
+            let width = x.len() / SAMPLES;
+            &x[sample * width..(sample + 1) * width]
+        });
         let zero = vec![0.0; n];
         match what {
             What::Tau => {
                 let mut tau = self.torques(&self.mechanism, columns, [q, qd, qdd]);
-                for (k, tau) in tau.iter_mut().enumerate().filter(|_| friction) {
+                let joints = tau.iter_mut().skip(self.mechanism.base_variables());
+                for (k, tau) in joints.enumerate().filter(|_| friction) {
                     let f = &self.x[columns.len() + 2 * k..];
-                    *tau += f[0] * qd[k] + f[1] * qd[k].signum();
+                    let qd = qd[self.mechanism.base_variables() + k];
+                    *tau += f[0] * qd + f[1] * qd.signum();
                 }
                 tau
             }
@@ -121,6 +133,11 @@ impl Case {
         rows
     }
 
+    /// Whether the base floats.
+    pub fn floats(&self) -> bool {
+        self.code.floating.is_some()
+    }
+
     /// Whether two links stand on one.
     pub fn branches(&self) -> bool {
         let stands = |link: &roberval_mechanism::Link| link.antecedent;
@@ -155,14 +172,18 @@ impl Case {
 fn expanded(mechanism: &Mechanism, [q, qd, qdd]: &[Vec<f64>; 3]) -> [Vec<f64>; 4] {
     let (n, m) = (mechanism.dof(), mechanism.independent());
     let expansion = Expansion::in_floats(mechanism).expect("loops");
+    let (more, base) = (mechanism.positions() - m, mechanism.base_variables());
     let mut all = [const { Vec::new() }; 4];
     for sample in 0..SAMPLES {
         let mut states = expansion.states();
         let at = sample * m..(sample + 1) * m;
-        let state = [&q[at.clone()], &qd[at.clone()], &qdd[at]];
+        // Joints stand one place further in q if the base floats.
+        let q = &q[sample * (m + more)..(sample + 1) * (m + more)];
+        let state = [&q[more..], &qd[at.clone()], &qdd[at]];
         expansion
             .expand(state, &mut states)
             .expect("the loops close");
+        states.q.splice(..base, q[..base + more].iter().copied());
         let mut g = vec![0.0; n * m];
         for i in 0..n {
             states
@@ -221,6 +242,40 @@ const EXPRESSIONS: [&str; 2] = [
      [[couple]]\njoint = \"4\"\nequals = { \"3\" = -2, \"1\" = \"1/3\" }\noffset = 0.25\n",
 ];
 
+/// Some of all kinds on a base that floats: an arm, couples by expressions, loops, trees.
+fn floating(robots: &[RobotDescription]) -> Vec<RobotDescription> {
+    let of = |name: &str| {
+        let robot = robots.iter().find(|robot| robot.name == name);
+        let mut robot = robot.expect("among them").clone().with_floating_base();
+        robot.name += " floating";
+        robot
+    };
+    let names = [
+        "Stanford arm",
+        "wrist",
+        "four-bar on a turning base",
+        "generated 2",
+        "generated 7",
+    ];
+    names.map(of).into()
+}
+
+/// Robots and links whose names are those of the language or of generated code.
+fn named() -> Vec<RobotDescription> {
+    let names = [
+        "sin", "t1", "q", "MX_2", "double", "fn", "lambda", "end", "x", "prepare",
+    ];
+    let robot = |name: &str| {
+        let text = format!(
+            "name = \"{name}\"\ngravity = [0, 0, -9.81]\n[constants]\n{name} = 0.5\nt2 = 0.25\n\
+             [[link]]\nname = \"{name}\"\nalpha = 0\nd = 0\nr = 0\n\
+             [[link]]\nname = \"MX_{name}\"\nalpha = \"90 deg\"\nd = \"{name}\"\nr = \"t2\"\n"
+        );
+        parse_toml(&text, "names.toml").expect("a robot")
+    };
+    names.map(robot).into()
+}
+
 /// All functions of the catalogue's robots and of generated ones.
 pub fn cases() -> Vec<Case> {
     let catalogue = roberval_formats::catalogue().iter();
@@ -251,6 +306,8 @@ pub fn cases() -> Vec<Case> {
     }
     robots.extend(LOOPS.map(|text| parse_toml(text, "loops.toml").expect("a robot")));
     robots.extend(EXPRESSIONS.map(|text| parse_toml(text, "couples.toml").expect("a robot")));
+    robots.extend(floating(&robots));
+    robots.extend(named());
     let of_robot = |(index, robot): (usize, &roberval_mechanism::RobotDescription)| {
         let mechanism = Mechanism::new(robot).expect("a valid robot");
         let answer = base_parameters(&mechanism, &Options::default()).expect("an answer");

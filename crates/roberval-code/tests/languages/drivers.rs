@@ -139,7 +139,7 @@ fn states(case: &Case) -> Vec<Array<'_>> {
 /// An array's name and its shape at one state.
 fn shaped(case: &Case, array: &Array<'_>) -> (&'static str, Vec<usize>) {
     match array.name {
-        "g" => ("g", vec![case.code.joints.len(), case.code.independent]),
+        "g" => ("g", vec![case.code.velocities(), case.code.independent]),
         name => (name, vec![array.width()]),
     }
 }
@@ -200,9 +200,10 @@ fn c_main(cases: &[Case], folder: &Path) -> PathBuf {
     let sources = cases
         .iter()
         .map(|c| folder.join(format!("{}.c", c.code.function())));
-    let flags = ["-std=c99", "-pedantic", "-Wall", "-Werror", "-O0", "-o"];
+    let strict = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror"];
     let mut gcc = Command::new("gcc");
-    gcc.args(flags)
+    gcc.args(strict)
+        .args(["-O0", "-o"])
         .arg(folder.join("main"))
         .arg(&main)
         .args(sources)
@@ -295,7 +296,7 @@ fn python_main(cases: &[Case], folder: &Path) -> PathBuf {
         let _ = writeln!(text, "out = {name}({})", arguments.join(", "));
         let first = arguments
             .iter()
-            .map(|a| match a.starts_with('q') || a == "g" {
+            .map(|a| match ["q", "qd", "qdd", "g"].contains(&a.as_str()) {
                 true => format!("{a}[0]"),
                 false => a.clone(),
             });

@@ -46,6 +46,7 @@ fn there_are_twenty_robots_with_trees_prismatic_joints_couples_and_loops_among_t
     assert!(cases.iter().any(Case::is_coupled));
     assert!(cases.iter().any(Case::follows_expressions));
     assert!(cases.iter().any(Case::has_loops));
+    assert!(cases.iter().any(Case::floats));
 }
 
 #[test]
