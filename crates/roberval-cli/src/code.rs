@@ -4,7 +4,6 @@ use std::io::Write;
 
 use roberval_base::{Engine, Model, Options, base_parameters, robot_sha256};
 use roberval_code::{Code, Request};
-use roberval_mechanism::Mechanism;
 use roberval_tables as tables;
 
 use crate::arguments::CodeArgs;
@@ -33,22 +32,28 @@ pub(crate) fn run(
         let mechanism = load(&args.robot.robot, &args.robot.reading)?;
         warn(&mechanism, err);
         let standard: Vec<usize> = (0..mechanism.parameters().len()).collect();
-        let base = match args.parameters == "base" || args.counts {
-            true => {
-                let answer = base_parameters(&mechanism, &options)?;
-                if !answer.diagnosis.clear {
-                    doubts.clone_from(&answer.diagnosis.messages);
-                }
-                answer.base
-            }
-            false => standard.clone(),
+        let answer = base_parameters(&mechanism, &options)?;
+        let reduced = args.parameters == "base" || args.counts;
+        if reduced && !answer.diagnosis.clear {
+            doubts.clone_from(&answer.diagnosis.messages);
+        }
+        let code = |columns: &[usize]| {
+            let request = Request {
+                what: args.what,
+                columns,
+                no_effect: &answer.no_effect,
+                friction: args.friction,
+            };
+            Code::new(&mechanism, &request)
         };
         if args.counts {
-            let codes = [&standard, &base].map(|columns| code(args, &mechanism, columns));
-            let [standard, base] = codes;
-            return Ok(tables::counts(&standard?, &base?, format));
+            return Ok(tables::counts(
+                &code(&standard)?,
+                &code(&answer.base)?,
+                format,
+            ));
         }
-        let code = code(args, &mechanism, &base)?;
+        let code = code(if reduced { &answer.base } else { &standard })?;
         let (count, once) = (code.count(), code.count_once());
         say(
             err,
@@ -62,13 +67,4 @@ pub(crate) fn run(
         Ok(code.text(args.lang, &robot_sha256(&mechanism)?))
     })?;
     Ok(verdict(&doubts, err))
-}
-
-fn code(args: &CodeArgs, mechanism: &Mechanism, columns: &[usize]) -> Result<Code, CliError> {
-    let request = Request {
-        what: args.what,
-        columns,
-        friction: args.friction,
-    };
-    Ok(Code::new(mechanism, &request)?)
 }

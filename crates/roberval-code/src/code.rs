@@ -15,6 +15,9 @@ pub struct Request<'a> {
     /// The parameters it takes, columns of the mechanism's parameters: the base
     /// parameters, or all. Those not named count as 0.
     pub columns: &'a [usize],
+    /// Columns that are known to have no effect, which the code then does not read. Not all
+    /// of that shows in the recursions: it may take that `cos^2 + sin^2 = 1`.
+    pub no_effect: &'a [usize],
     /// Whether tau has friction: two parameters more a joint, Fv (viscous) and Fc
     /// (Coulomb): `Fv qd + Fc sign(qd)`.
     pub friction: bool,
@@ -66,7 +69,7 @@ impl Code {
         if request.friction && what != What::Tau {
             return Err(CodeError::Friction(what));
         }
-        let program = record(mechanism, what, request.columns, request.friction);
+        let program = record(mechanism, request);
         let (prepare, main) = match program.divided() {
             Some((prepare, main)) => (Some(prepare), main),
             None => (None, program),

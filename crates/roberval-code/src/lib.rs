@@ -10,6 +10,7 @@ mod coordinates;
 mod emit;
 mod factor;
 mod fold;
+mod frames;
 mod graph;
 mod linear;
 mod names;
@@ -17,6 +18,7 @@ mod program;
 mod record;
 mod recorded;
 mod turns;
+mod way;
 mod what;
 
 pub use code::{Code, CodeError, Request};

@@ -6,89 +6,37 @@ use roberval_regressor::{
     SelectedRows, Shape, Transmission, Tree, dynamics, energy, newton_euler,
 };
 use roberval_scalar::Jet;
+use roberval_scalar::vector::{Mat3, apply};
 
+use crate::code::Request;
 use crate::composite::{Composite, Meeting};
 use crate::coordinates::Coordinates;
+use crate::frames::Frames;
 use crate::graph::Graph;
 use crate::program::{Input, Program};
 use crate::recorded::Recorded;
+use crate::turns::congruent;
+use crate::way::{Mass, Way};
 use crate::what::What;
 
-/// A way of recording.
-#[derive(Debug, Clone, Copy)]
-struct Way {
-    /// Whether mass moves between bodies as no motion can tell.
-    regroup: bool,
-    /// How a mass matrix comes about.
-    mass: Mass,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Mass {
-    /// By composite bodies.
-    Composite(Meeting),
-    /// Column after column, as torques of unit accelerations: cheap where many joints follow
-    /// few coordinates.
-    Columns,
-}
-
-impl Way {
-    /// The ways worth counting.
-    fn all(mechanism: &Mechanism, what: What, columns: usize) -> Vec<Self> {
-        use Mass::{Columns, Composite};
-        // Mass may move between bodies only where not all standard parameters count.
-        let regroupings: &[bool] = match columns < mechanism.parameters().len() {
-            true if what.takes_parameters() => &[true, false],
-            _ => &[false],
-        };
-        let masses: &[Mass] = match what {
-            What::MassMatrix if mechanism.closure.is_some() => &[
-                Composite(Meeting::Carried),
-                Composite(Meeting::Root),
-                Columns,
-            ],
-            What::MassMatrix => &[Composite(Meeting::Carried), Composite(Meeting::Root)],
-            _ => &[Columns],
-        };
-        let ways = regroupings
-            .iter()
-            .flat_map(|&regroup| masses.iter().map(move |&mass| Self { regroup, mass }));
-        ways.collect()
-    }
-}
-
-/// Records one model of a mechanism. `columns` are the parameters that the code takes, in
-/// this order; all others count as 0: the base parameters, or all. Friction adds to tau
-/// two parameters a joint variable after them, Fv (viscous) and Fc (Coulomb). Of all ways the
-/// cheapest is taken, as counting says.
+/// Records one model of a mechanism: of all ways the cheapest, as counting says.
 #[must_use]
-pub(crate) fn record(
-    mechanism: &Mechanism,
-    what: What,
-    columns: &[usize],
-    friction: bool,
-) -> Program {
-    let ways = Way::all(mechanism, what, columns.len()).into_iter();
-    let programs = ways.map(|way| record_one(mechanism, what, columns, friction, way));
+pub(crate) fn record(mechanism: &Mechanism, request: &Request<'_>) -> Program {
+    let ways = Way::all(mechanism, request.what, request.columns.len()).into_iter();
+    let programs = ways.map(|way| record_one(mechanism, request, way));
     let cheapest = programs.min_by_key(Program::cost);
     cheapest.expect("there is one way at least")
 }
 
-fn record_one(
-    mechanism: &Mechanism,
-    what: What,
-    columns: &[usize],
-    friction: bool,
-    way: Way,
-) -> Program {
+fn record_one(mechanism: &Mechanism, request: &Request<'_>, way: Way) -> Program {
     let graph = Graph::default();
-    let mut recorder = Recorder::new(&graph, mechanism, columns, way.regroup);
-    let outputs = match what {
-        What::Tau => recorder.tau(friction),
+    let mut recorder = Recorder::new(&graph, mechanism, request, way);
+    let outputs = match request.what {
+        What::Tau => recorder.tau(request.friction),
         What::Gravity => recorder.gravity(),
         What::MassMatrix => recorder.mass_matrix(way.mass),
-        What::Regressor => recorder.regressor(columns),
-        What::Energy => recorder.energy(columns),
+        What::Regressor => recorder.regressor(request.columns),
+        What::Energy => recorder.energy(request.columns),
     };
     let outputs = outputs.iter().map(|x| x.at).collect();
     let inputs = recorder.inputs;
@@ -113,6 +61,8 @@ struct Recorder<'g> {
     joints: Vec<Jet<Recorded<'g>>>,
     /// Where a base that floats is and how it moves.
     base: Option<BaseState<Recorded<'g>>>,
+    /// What is added to the angle of each body's joint.
+    offsets: Vec<Recorded<'g>>,
     /// Number of independent coordinates m.
     independent: usize,
     /// Whether mass moves between bodies as no motion can tell.
@@ -124,10 +74,26 @@ struct Recorder<'g> {
     inputs: Vec<Input>,
 }
 
+/// XX, XY, XZ, YY, YZ, ZZ, MX, MY, MZ, M in a new frame, given the rotation to the old one.
+fn reframe<'g>(x: &mut [Recorded<'g>], rotation: &Mat3<Recorded<'g>>) {
+    let &mut [xx, xy, xz, yy, yz, zz, mx, my, mz, mass] = x else {
+        unreachable!("ten parameters");
+    };
+    let back = [0, 1, 2].map(|i| [0, 1, 2].map(|k| rotation[k][i]));
+    let inertia = congruent(&back, &[[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
+    let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = inertia;
+    let [mx, my, mz] = apply(&back, [mx, my, mz]);
+    x.copy_from_slice(&[xx, xy, xz, yy, yz, zz, mx, my, mz, mass]);
+}
+
 impl<'g> Recorder<'g> {
-    fn new(graph: &'g Graph, mechanism: &Mechanism, columns: &[usize], regroup: bool) -> Self {
+    fn new(graph: &'g Graph, mechanism: &Mechanism, request: &Request<'_>, way: Way) -> Self {
         let space = mechanism.parameters();
-        let tree = Tree::of(mechanism);
+        let mut tree = Tree::of(mechanism);
+        let frames = way.reframe.then(|| Frames::of(&tree));
+        if let Some(frames) = &frames {
+            tree = frames.tree.clone();
+        }
         let shapes = Shape::of(&tree);
         let tree = tree.map(|x| Recorded::constant(graph, x));
         let Coordinates {
@@ -142,9 +108,24 @@ impl<'g> Recorder<'g> {
         });
         let transmission = Transmission::from_rows(rows);
         let mut x = vec![tree.constants.zero; space.len()];
-        for (place, &column) in columns.iter().enumerate() {
+        let columns = request.columns.iter().enumerate();
+        for (place, &column) in columns.filter(|(_, c)| !request.no_effect.contains(c)) {
             x[column] = Recorded::parameter(graph, inputs.len());
             inputs.push(Input::Parameter(place));
+        }
+        let mut offsets = vec![tree.constants.zero; tree.bodies.len()];
+        if let Some(frames) = frames {
+            offsets = frames
+                .offsets
+                .iter()
+                .map(|x| Recorded::constant(graph, *x))
+                .collect();
+            for (j, rotation) in frames.rotations.iter().enumerate() {
+                let rotation = rotation.map(|row| row.map(|x| Recorded::constant(graph, x)));
+                if !tree.bodies[j].massless {
+                    reframe(&mut x[space.first_column(j)..][..10], &rotation);
+                }
+            }
         }
         Self {
             graph,
@@ -153,10 +134,11 @@ impl<'g> Recorder<'g> {
             transmission,
             joints,
             base,
+            offsets,
             independent: mechanism.independent(),
-            regroup,
+            regroup: way.regroup,
             space,
-            width: columns.len(),
+            width: request.columns.len(),
             x,
             inputs,
         }
@@ -188,7 +170,7 @@ impl<'g> Recorder<'g> {
             let Some(i) = body.variable.filter(|_| body.joint.has_axis()) else {
                 return still;
             };
-            let q = self.joints[i].value;
+            let q = self.joints[i].value + self.offsets[j];
             let moving = JointMotion {
                 qd: qd(i),
                 qdd: qdd(i),

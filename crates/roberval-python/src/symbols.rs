@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use pyo3::prelude::*;
-use roberval_base::{BaseParameters, Choice, robot_sha256};
+use roberval_base::{BaseParameters, Choice, Model, robot_sha256};
 use roberval_code::{Code, Language, Request, What};
 use roberval_mechanism::Mechanism;
 use roberval_symbolic::{Naming, Route, SymbolicOptions, SymbolicRelations, symbolic_relations};
@@ -69,8 +69,8 @@ impl Symbolic {
     }
 }
 
-/// Text, function name, joints, parameters, shape and counts of generated code, and whether
-/// it takes G.
+/// Text, function name, joints, parameters, shape and counts of generated code, whether
+/// it takes G, and how many numbers q and qd have.
 pub type CodeRow = (
     String,
     String,
@@ -80,6 +80,7 @@ pub type CodeRow = (
     [usize; 3],
     [usize; 3],
     bool,
+    (usize, usize),
 );
 
 /// The code of an answer's robot.
@@ -97,6 +98,11 @@ pub fn code(
     let request = Request {
         what,
         columns: if standard { &all } else { &answer.base },
+        // Of torques at rest or of other models more than of the dynamic model has none.
+        no_effect: match answer.model {
+            Model::D => &answer.no_effect,
+            _ => &[],
+        },
         friction,
     };
     let code = Code::new(&answer.mechanism, &request).map_err(|e| refuse(e.to_string()))?;
@@ -112,5 +118,6 @@ pub fn code(
         count(code.count()),
         count(code.count_once()),
         code.takes_transmission(),
+        (code.positions(), code.velocities()),
     ))
 }

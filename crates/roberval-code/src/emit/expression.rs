@@ -58,36 +58,13 @@ pub(super) fn statements(
     let mut texts: Vec<Text> = Vec::with_capacity(program.nodes.len());
     let mut turns = Turns::of(program);
     for (at, op) in program.nodes.iter().enumerate() {
-        let text = |x: u32| &texts[x as usize];
         let new = match *op {
-            Op::Constant(bits) => Text::atom(format!("{:?}", f64::from_bits(bits))),
             Op::Input(k) => Text::atom(input(program.inputs[k as usize])),
             Op::Cos(x) | Op::Sin(x) => {
-                let angle = text(x).text.clone();
+                let angle = texts[x as usize].text.clone();
                 Text::atom(turns.name(x, matches!(op, Op::Cos(_)), angle, &mut lines))
             }
-            Op::Sign(x) => Text::atom(format!("{}({})", words.sign, text(x).text)),
-            Op::Sqrt(x) => Text::atom(format!("{}({})", words.sqrt, text(x).text)),
-            Op::Atan2(y, x) => {
-                let (y, x) = (&text(y).text, &text(x).text);
-                Text::atom(format!("{}({y}, {x})", words.atan2))
-            }
-            Op::Div(x, y) => Text {
-                text: format!("{} {} {}", text(x).at(1), words.over, text(y).at(2)),
-                level: 1,
-            },
-            Op::Add(x, y) => Text {
-                text: format!("{} + {}", text(x).at(0), text(y).at(1)),
-                level: 0,
-            },
-            Op::Sub(x, y) => Text {
-                text: format!("{} - {}", text(x).at(0), text(y).at(1)),
-                level: 0,
-            },
-            Op::Mul(x, y) => Text {
-                text: format!("{} {} {}", text(x).at(1), words.times, text(y).at(2)),
-                level: 1,
-            },
+            op => expression(op, words, &texts),
         };
         let computed = op.operands().count() == 2 || matches!(op, Op::Sqrt(_));
         let named = computed && (uses[at] > 1 || new.text.len() > LONGEST);
@@ -109,6 +86,30 @@ pub(super) fn statements(
     };
     let outputs = program.outputs.iter().map(output).collect();
     (lines, outputs)
+}
+
+/// An operation on expressions.
+fn expression(op: Op, words: &Words, texts: &[Text]) -> Text {
+    let at = |x: u32, level: u8| texts[x as usize].at(level);
+    let call = |function: &str, operands: &[u32]| {
+        let operands: Vec<String> = operands.iter().map(|&x| at(x, 0)).collect();
+        Text::atom(format!("{function}({})", operands.join(", ")))
+    };
+    let between = |x: String, sign: &str, y: String, level| Text {
+        text: format!("{x} {sign} {y}"),
+        level,
+    };
+    match op {
+        Op::Constant(bits) => Text::atom(format!("{:?}", f64::from_bits(bits))),
+        Op::Sign(x) => call(words.sign, &[x]),
+        Op::Sqrt(x) => call(words.sqrt, &[x]),
+        Op::Atan2(y, x) => call(words.atan2, &[y, x]),
+        Op::Add(x, y) => between(at(x, 0), "+", at(y, 1), 0),
+        Op::Sub(x, y) => between(at(x, 0), "-", at(y, 1), 0),
+        Op::Mul(x, y) => between(at(x, 1), words.times, at(y, 2), 1),
+        Op::Div(x, y) => between(at(x, 1), words.over, at(y, 2), 1),
+        Op::Input(_) | Op::Cos(_) | Op::Sin(_) => unreachable!("named before"),
+    }
 }
 
 /// Sines and cosines, both of an angle at once.

@@ -29,11 +29,17 @@ pub struct Case {
 }
 
 impl Case {
-    fn new(mechanism: &Mechanism, what: What, columns: &[usize], seed: u64) -> Self {
+    pub fn new(
+        mechanism: &Mechanism,
+        what: What,
+        (columns, no_effect): (&[usize], &[usize]),
+        seed: u64,
+    ) -> Self {
         let friction = what == What::Tau && seed.is_multiple_of(2) && mechanism.closure.is_none();
         let request = Request {
             what,
             columns,
+            no_effect,
             friction,
         };
         let code = Code::new(mechanism, &request).expect("code");
@@ -315,6 +321,7 @@ pub fn cases() -> Vec<Case> {
         let seed = index as u64;
         // Every third robot with its standard parameters.
         let columns = if index % 3 == 2 { &all } else { &answer.base };
+        let columns = (&columns[..], &answer.no_effect[..]);
         What::ALL.map(|what| Case::new(&mechanism, what, columns, seed))
     };
     robots.iter().enumerate().flat_map(of_robot).collect()

@@ -2,6 +2,7 @@
 
 mod cases;
 mod drivers;
+mod generated;
 
 use cases::{Case, cases};
 use drivers::Driver;
