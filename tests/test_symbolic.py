@@ -151,11 +151,18 @@ def test_a_compiled_regressor_follows_expressions_as_far_as_they_have_values() -
         compiled(q, qd, qdd)
 
 
-def test_a_compiled_regressor_of_a_floating_base_is_the_regressor() -> None:
-    base = rv.load("two_link", floating=True).base_parameters()
-    q, qd, qdd = np.ones((1, base.robot.nq)), *np.ones((2, 1, base.robot.n))
-    q[:, 3:7] = 0.5
-    assert np.array_equal(base.compile()(q, qd, qdd), base.regressor(q, qd, qdd))
+@pytest.mark.parametrize("model", ["d", "d0", "h"])
+def test_a_compiled_regressor_of_a_floating_base_is_the_regressor(model: rv.Model) -> None:
+    base = rv.load("two_link", floating=True).base_parameters(model=model)
+    random = np.random.default_rng(3)
+    q, (qd, qdd) = random.normal(size=(9, base.robot.nq)), random.normal(size=(2, 9, base.robot.n))
+    q[:, 3:7] /= np.linalg.norm(q[:, 3:7], axis=1, keepdims=True)
+    compiled, expected = base.compile(compiler=True), base.regressor(q, qd, qdd)
+    scale = max(1, np.abs(expected).max())
+    assert np.abs(compiled(q, qd, qdd) - expected).max() < TOLERANCE * scale
+    q[4, 3:7] *= 2
+    with pytest.raises(rv.RobervalError, match="quaternion"):
+        compiled(q, qd, qdd)
 
 
 def test_without_a_compiler_the_package_does_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -216,7 +223,17 @@ r = 0.25
     path.write_text(text)
     base = rv.load(path).base_parameters()
     source = base.code("c", "tau", friction=True).write(tmp_path / "code.c")
-    command = ["cc", "-std=c99", "-Wall", "-Werror", "-c", str(source), "-o", str(tmp_path / "o")]
+    command = [
+        "cc",
+        "-std=c99",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        "-c",
+        str(source),
+        "-o",
+        str(tmp_path / "o"),
+    ]
     try:
         done = subprocess.run(command, capture_output=True, text=True)
     except FileNotFoundError:

@@ -409,8 +409,9 @@ class BaseParameters(Rendered):
         """Return a fast callable with the signature of `regressor`.
 
         Generated C is compiled where a C compiler is found; the package's own kernels do the
-        work where there is none, where the base floats, where cut loops relate joints, and
-        where they are faster.
+        work where there is none, where cut loops relate joints, and where they are faster: they
+        are for arms, over lanes of samples, as fast as results can be written. Machine code wins
+        where couples relate joints.
 
         Parameters
         ----------

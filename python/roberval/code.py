@@ -18,13 +18,16 @@ import numpy.typing as npt
 
 from . import _core, arrays, files
 from .arrays import Array
-from .errors import ArrayError, RobervalError
+from .errors import RobervalError
 
 if TYPE_CHECKING:
     from .base import BaseParameters
 
 TRIAL_STATES, TRIAL_ROUNDS = 100, 20
 """What `Compiled` is timed on when it is made: a millisecond."""
+
+QUATERNION_ROUNDING = 1e-2
+"""How far a quaternion's length may be from 1, as in the package's own kernels."""
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared")
 
@@ -54,7 +57,7 @@ class Code:
     function: str
     """The function's name."""
     joints: tuple[str, ...]
-    """The links whose joint variables it takes."""
+    """The links whose joint variables it takes; those of a floating base come before them."""
     parameters: tuple[str, ...]
     """The parameters it takes, or whose columns it gives."""
     shape: tuple[int, ...]
@@ -65,12 +68,15 @@ class Code:
     """Operations done once for a set of parameters."""
     loops: bool
     """Whether it takes the state of all joints and G, because loops relate them."""
+    widths: tuple[int, int]
+    """How many numbers q has at a state, and qd and qdd: 7 and 6 more than joints for a base that
+    floats."""
 
     @classmethod
     def _of(
         cls, core: _core.Answer, language: str, what: str, *, standard: bool, friction: bool
     ) -> Code:
-        text, function, joints, parameters, shape, count, once, loops = core.code(
+        text, function, joints, parameters, shape, count, once, loops, widths = core.code(
             language, what, standard, friction
         )
         return cls(
@@ -84,6 +90,7 @@ class Code:
             Count(*count),
             Count(*once),
             loops,
+            widths,
         )
 
     def __str__(self) -> str:
@@ -100,18 +107,18 @@ class Compiled:
     Made by `BaseParameters.compile`.
     """
 
-    __slots__ = ("_base", "_call", "_may_fail", "_shape")
+    __slots__ = ("_base", "_call", "_shape")
 
     def __init__(self, base: BaseParameters, *, compiler: bool | None) -> None:
         self._base = base
         self._call = None
         self._shape: tuple[int, ...] = ()
-        # Where couples by expressions have no value, as a root of a negative number.
-        self._may_fail = any(couple.expression for couple in base.robot.couples)
-        if compiler is not False and base.robot.nq == base.robot.n:  # else the base floats
+        if compiler is not False:
             code = base.code("c", "energy" if base.model == "h" else "regressor")
             self._shape = code.shape
-            self._call = _machine_code(code)
+            # Couples by expressions may have no value, as a root of a negative number.
+            may_fail = any(couple.expression for couple in base.robot.couples)
+            self._call = _machine_code(code, may_fail=may_fail)
         if compiler is None and self._call is not None and not self._is_faster():
             self._call = None
 
@@ -122,9 +129,12 @@ class Compiled:
 
     def _is_faster(self) -> bool:
         """Whether the machine code beats the kernels on a few states, best of some rounds."""
-        state = np.full((TRIAL_STATES, self._base.robot.n), 0.1)
+        robot = self._base.robot
+        states = [np.full((TRIAL_STATES, width), 0.1) for width in (robot.nq, robot.n, robot.n)]
+        if robot.is_floating:
+            states[0][:, 3:7] = 0.5
         try:
-            return _seconds(self, state) < _seconds(self._base.regressor, state)
+            return _seconds(self, states) < _seconds(self._base.regressor, states)
         except RobervalError:  # couples without a value there
             return False
 
@@ -142,31 +152,27 @@ class Compiled:
             return base.regressor(q, qd, qdd, out=out)
         states = base.robot._states(base.model, q, qd, qdd)
         out = arrays.output(out, (*states.lead, *self._shape))
-        used = [states.q, np.zeros_like(states.q) if base.model == "d0" else states.qd]
+        used = [states.q, np.zeros_like(states.qd) if base.model == "d0" else states.qd]
         if base.model != "h":
             used.append(states.qdd)
-        for name, array in zip(("q", "qd", "qdd"), used, strict=False):
-            if not np.isfinite(array).all():
-                raise ArrayError(f"{name} has numbers that are not finite")
-        pointers = [array.ctypes.data_as(ctypes.c_void_p) for array in (*used, out)]
-        self._call(len(states.q), *pointers)
-        if self._may_fail and not np.isfinite(out).all():
-            return base.regressor(q, qd, qdd, out=out)  # says what has no value
+        pointers = [array.__array_interface__["data"][0] for array in (*used, out)]
+        if not self._call(len(states.q), *pointers):
+            return base.regressor(q, qd, qdd, out=out)  # says what is wrong
         return out
 
 
-def _seconds(work: Callable[..., Array], state: Array) -> float:
+def _seconds(work: Callable[..., Array], states: list[Array]) -> float:
     """Return the time of the fastest call."""
-    out = work(state, state, state)
+    out = work(*states)
     times = []
     for _ in range(TRIAL_ROUNDS):
         start = time.perf_counter()
-        work(state, state, state, out=out)
+        work(*states, out=out)
         times.append(time.perf_counter() - start)
     return min(times)
 
 
-def _machine_code(code: Code) -> Callable[..., None] | None:
+def _machine_code(code: Code, *, may_fail: bool) -> Callable[..., int] | None:
     """Compile a loop over states around the code; None without a compiler that works."""
     compiler = os.environ.get("CC") or next(filter(shutil.which, ("cc", "gcc", "clang")), None)
     if code.loops or not compiler or os.name != "posix":
@@ -174,7 +180,7 @@ def _machine_code(code: Code) -> Callable[..., None] | None:
     states = ["q", "qd"] if code.what == "energy" else ["q", "qd", "qdd"]
     with tempfile.TemporaryDirectory(prefix="roberval-") as folder:
         source, library = Path(folder, "code.c"), Path(folder, "code.so")
-        source.write_text(code.text + _loop(code, states))
+        source.write_text(code.text + _loop(code, states, may_fail=may_fail))
         command = [*compiler.split(), *FLAGS, "-o", str(library), str(source), "-lm"]
         try:
             subprocess.run(command, check=True, capture_output=True)
@@ -184,21 +190,38 @@ def _machine_code(code: Code) -> Callable[..., None] | None:
             return None
     call = loaded.roberval_states
     call.argtypes = [ctypes.c_long] + [ctypes.c_void_p] * (len(states) + 1)
-    call.restype = None
-    result: Callable[..., None] = call
+    call.restype = ctypes.c_int
+    result: Callable[..., int] = call
     return result
 
 
-def _loop(code: Code, states: list[str]) -> str:
+def _loop(code: Code, states: list[str], *, may_fail: bool) -> str:
+    """Write a loop over states in C that gives 0 where the kernels would refuse one."""
     size = int(np.prod(code.shape))
     parameters = ", ".join(f"const double *{name}" for name in states)
+    positions, velocities = code.widths
+    widths = [positions if name == "q" else velocities for name in states]
+    checks = [
+        f"for (int j = 0; j < {width}; j++) good &= isfinite({name}[j]) != 0;"
+        for name, width in zip(states, widths, strict=True)
+    ]
+    if positions > velocities:
+        square = " + ".join(f"q[{j}] * q[{j}]" for j in range(3, 7))
+        checks.append(f"good &= fabs(sqrt({square}) - 1.0) <= {QUATERNION_ROUNDING};")
+    steps = [f"{name} += {width};" for name, width in zip(states, widths, strict=True)]
+    results = f"for (int j = 0; j < {size}; j++) good &= isfinite(out[j]) != 0;"
+    newline = "\n        "
     return f"""
-void roberval_states(long count, {parameters}, double *out)
+int roberval_states(long count, {parameters}, double *out)
 {{
+    int good = 1;
     for (long i = 0; i < count; i++) {{
+        {newline.join(checks)}
         {code.function}({", ".join(states)}, out);
-        {" ".join(f"{name} += {len(code.joints)};" for name in states)}
+        {results if may_fail else ""}
+        {" ".join(steps)}
         out += {size};
     }}
+    return good;
 }}
 """

@@ -26,14 +26,14 @@ fn code_without(mechanism: &Mechanism, what: What, columns: &[usize], no_effect:
 }
 
 /// A chain of so many revolute joints.
-fn chain(joints: usize, angles: Angles, seed: u64) -> Mechanism {
+fn chain(joints: usize, angles: Angles, format: SourceFormat, seed: u64) -> Mechanism {
     let family = Family {
         links: (joints, joints),
         branch: 0.0,
         prismatic: 0.0,
         fixed: 0.0,
         angles,
-        format: SourceFormat::Mdh,
+        format,
     };
     Mechanism::new(&family.robot(seed)).expect("a valid robot")
 }
@@ -46,15 +46,17 @@ fn generic(n: usize) -> (usize, usize) {
 
 #[test]
 fn a_mass_matrix_is_cheaper_than_composite_bodies_of_any_robot() {
-    for (joints, angles) in [
-        (2, Angles::Right),
-        (7, Angles::Right),
-        (7, Angles::Oblique),
-        (15, Angles::Mixed),
-        (30, Angles::Mixed),
+    use SourceFormat::{Mdh, Urdf};
+    for (joints, angles, format) in [
+        (2, Angles::Right, Mdh),
+        (7, Angles::Right, Urdf),
+        (7, Angles::Oblique, Mdh),
+        (7, Angles::Oblique, Urdf),
+        (15, Angles::Mixed, Mdh),
+        (30, Angles::Mixed, Urdf),
     ] {
         for seed in 0..5 {
-            let mechanism = chain(joints, angles, seed);
+            let mechanism = chain(joints, angles, format, seed);
             let all: Vec<usize> = (0..mechanism.parameters().len()).collect();
             let count = code(&mechanism, What::MassMatrix, &all).count();
             let (mul, add) = generic(joints);
@@ -69,7 +71,7 @@ fn a_mass_matrix_is_cheaper_than_composite_bodies_of_any_robot() {
 #[test]
 fn a_mass_matrix_grows_as_the_square_of_the_joints() {
     let cost = |joints| {
-        let mechanism = chain(joints, Angles::Right, 1);
+        let mechanism = chain(joints, Angles::Right, SourceFormat::Mdh, 1);
         let all: Vec<usize> = (0..mechanism.parameters().len()).collect();
         code(&mechanism, What::MassMatrix, &all)
             .count()

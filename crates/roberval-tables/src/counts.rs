@@ -11,7 +11,15 @@ use crate::json::pretty;
 /// Standard and reduced model side by side, link by link.
 pub(crate) fn document(standard: &Code, base: &Code) -> Document {
     let mut columns = vec![Column::left("link")];
-    columns.extend(["mul", "add", "trig", "mul", "add", "trig"].map(Column::right));
+    let titles = [
+        "standard mul",
+        "standard add",
+        "standard trig",
+        "base mul",
+        "base add",
+        "base trig",
+    ];
+    columns.extend(titles.map(Column::right));
     let row = |name: &str, counts: [Count; 2]| {
         let numbers = counts.into_iter().flat_map(|c| [c.mul, c.add, c.trig]);
         let numbers = numbers.map(|n| Item::Number(n.to_string()));
@@ -35,11 +43,11 @@ pub(crate) fn document(standard: &Code, base: &Code) -> Document {
         Block::Lines(vec![
             format!("Operations of {}", base.what.name()),
             format!(
-                "left: {} standard parameters, {a} multiplications and additions a state",
+                "{} standard parameters: {a} multiplications and additions a state",
                 standard.parameters.len()
             ),
             format!(
-                "right: {} base parameters, {b} multiplications and additions a state",
+                "{} base parameters: {b} multiplications and additions a state",
                 base.parameters.len()
             ),
             "\"once\" is done once for a set of parameters, not at every state".to_owned(),
