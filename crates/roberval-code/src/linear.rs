@@ -56,9 +56,7 @@ impl Forms {
 
     /// The node whose multiple a form is, and the factor.
     pub fn known(&self, form: &Form) -> Option<(f64, u32)> {
-        let Some(&(_, first)) = form.first() else {
-            return None;
-        };
+        let &(_, first) = form.first()?;
         let (theirs, node) = self.nodes.get(&normal(form))?;
         Some((first / theirs, *node))
     }

@@ -1,5 +1,7 @@
 //! What is compiled, with the inputs and what the library makes of them.
 
+use std::sync::OnceLock;
+
 use roberval_base::{Options, base_parameters};
 use roberval_code::{Code, Request, What};
 use roberval_formats::parse_toml;
@@ -282,8 +284,14 @@ fn named() -> Vec<RobotDescription> {
     names.map(robot).into()
 }
 
+/// All functions of all robots, made once.
+pub fn cases() -> &'static [Case] {
+    static CASES: OnceLock<Vec<Case>> = OnceLock::new();
+    CASES.get_or_init(all_cases)
+}
+
 /// All functions of the catalogue's robots and of generated ones.
-pub fn cases() -> Vec<Case> {
+fn all_cases() -> Vec<Case> {
     let catalogue = roberval_formats::catalogue().iter();
     let mut robots: Vec<_> = catalogue
         .map(|entry| roberval_formats::load(entry.name).expect("a built-in robot"))

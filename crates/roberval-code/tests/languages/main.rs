@@ -14,11 +14,11 @@ const TOLERANCE: f64 = 1e-12;
 /// Compares what a driver's program printed with what the library says.
 fn check(driver: &Driver) {
     let cases = cases();
-    let Some(printed) = driver.run(&cases) else {
+    let Some(printed) = driver.run(cases) else {
         return;
     };
     let mut printed = printed.split_whitespace();
-    for case in &cases {
+    for case in cases {
         for (sample, expected) in case.expected.iter().enumerate() {
             let scale = expected.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
             for (at, expected) in expected.iter().enumerate() {
