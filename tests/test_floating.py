@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import pickle
 import warnings
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -159,6 +160,33 @@ def test_a_floating_joint_placed_askew_is_pinocchios() -> None:
     robot = from_urdf(FREE)
     assert robot.velocities[-2:] == ("hull.wz", "hinge")
     Peer(robot, pin.buildModelFromXML(FREE)).check()
+
+
+@pytest.mark.parametrize("name", ["solo12", "talos"])
+def test_generated_code_gives_pinocchios_torques_and_mass_matrix(name: str) -> None:
+    pin = pytest.importorskip("pinocchio", reason="pip install roberval[peers]")
+    robot = load(ROBOTS[name], floating=True, rotors=False, snap="off")
+    path = str(robot_file(ROBOTS[name]))
+    peer = Peer(robot, pin.buildModelFromUrdf(path, pin.JointModelFreeFlyer()))
+    base = robot.base_parameters()
+    scope: dict[str, Any] = {}
+    functions = {}
+    for what in ("tau", "mass"):
+        code = base.code("python", what)
+        exec(code.text, scope)
+        function, parameters = (
+            scope[code.function],
+            scope[f"{code.function}_prepare"](base.values()),
+        )
+        functions[what] = partial(function, k=parameters)
+    for q, qd, qdd in zip(*states(robot, 5, seed=2), strict=True):
+        theirs = peer.torques(q, qd, qdd)
+        ours = functions["tau"](q, qd, qdd)
+        assert np.abs(ours - theirs).max() <= PEER_ERROR * np.abs(theirs).max()
+        upper = np.triu(pin.crba(peer.model, peer.data, peer.configuration(q)))
+        theirs = (upper + np.triu(upper, 1).T)[np.ix_(peer.rows, peer.rows)]
+        ours = functions["mass"](q)
+        assert np.abs(ours - theirs).max() <= PEER_ERROR * np.abs(theirs).max()
 
 
 @pytest.mark.filterwarnings("ignore::roberval.RobotWarning")
