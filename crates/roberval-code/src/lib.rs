@@ -26,4 +26,5 @@ pub use emit::{Language, UnknownLanguage};
 pub use graph::{Graph, Op, Signed};
 pub use names::{identifier, plain};
 pub use program::{Count, Input, Program};
+pub use recorded::Recorded;
 pub use what::{UnknownWhat, What};
