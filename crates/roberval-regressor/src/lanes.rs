@@ -245,6 +245,9 @@ fn write<V: Lanes>(
     }
     let whole = V::COUNT * length;
     rows.resize(rows.len().max(whole), 0.0);
+    if stream || !out.len().is_multiple_of(whole.max(1)) {
+        rows[..whole].fill(0.0);
+    }
     for (tile, out) in out.chunks_mut(whole).enumerate() {
         let direct = out.len() == whole && !stream;
         let to = if direct {
@@ -265,12 +268,14 @@ fn write<V: Lanes>(
             }
         }
         if let Form::Rows(export) = form {
-            let stage = if projection.is_some() {
-                &projected
-            } else {
-                &stage
+            let stage = match projection {
+                Some(_) => &mut projected,
+                None => &mut stage,
             };
-            export.write(stage, to);
+            match V::COUNT {
+                1 => export.write_one(V::numbers(stage), to),
+                _ => export.write(stage, to, !direct),
+            }
         }
         if stream {
             V::stream(&rows[..out.len()], out);

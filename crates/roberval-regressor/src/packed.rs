@@ -256,29 +256,39 @@ impl Export {
         self.slots
     }
 
-    /// Writes a single sample.
+    /// Writes a single sample from its packed numbers.
     #[inline(always)]
-    fn write_one<V: Lanes>(&self, stage: &[V], out: &mut [f64]) {
-        out.fill(0.0);
+    pub(crate) fn write_one(&self, numbers: &[f64], out: &mut [f64]) {
+        // Blocks of a known length and a zero that is hidden: calls of memcpy and memset would
+        // take longer than the arithmetic.
+        let zeros = std::hint::black_box([0.0; BLOCK]);
+        let mut blocks = out.chunks_exact_mut(BLOCK);
+        blocks
+            .by_ref()
+            .for_each(|block| block.copy_from_slice(&zeros));
+        blocks.into_remainder().fill(0.0);
         for &[slot, at, count] in &self.runs {
-            let (from, to) = (&stage[slot..slot + count], &mut out[at..at + count]);
-            for (x, to) in from.iter().zip(to.chunks_exact_mut(1)) {
-                x.store(to);
+            let (from, to) = (&numbers[slot..slot + count], &mut out[at..at + count]);
+            let (mut from, mut to) = (from.chunks_exact(BLOCK), to.chunks_exact_mut(BLOCK));
+            for (from, to) in from.by_ref().zip(to.by_ref()) {
+                to.copy_from_slice(from);
+            }
+            for (from, to) in from.remainder().iter().zip(to.into_remainder()) {
+                *to = *from;
             }
         }
     }
 
     /// Writes the samples of a tile, one after the other. `stage` has a zero after its
-    /// slots.
+    /// slots; what is zero for every state is left alone if it is so already.
     #[inline(always)]
-    pub(crate) fn write<V: Lanes>(&self, stage: &[V], out: &mut [f64]) {
+    pub(crate) fn write<V: Lanes>(&self, stage: &[V], out: &mut [f64], cleared: bool) {
         let length = self.len();
-        if V::COUNT == 1 {
-            return self.write_one(stage, out);
-        }
         let mut done = 0;
         for range in &self.filled {
-            zero::<V>(out, length, done..range.start);
+            if !cleared {
+                zero::<V>(out, length, done..range.start);
+            }
             let whole = range.start + (range.len() / V::COUNT) * V::COUNT;
             for first in (range.start..whole).step_by(V::COUNT) {
                 let sources = &self.sources[first..first + V::COUNT];
@@ -293,7 +303,9 @@ impl Export {
             }
             done = range.end;
         }
-        zero::<V>(out, length, done..length);
+        if !cleared {
+            zero::<V>(out, length, done..length);
+        }
     }
 }
 
@@ -320,6 +332,6 @@ fn zero<V: Lanes>(out: &mut [f64], length: usize, range: Range<usize>) {
         return;
     }
     for s in 0..V::COUNT {
-        out[s * length..][range.clone()].fill(0.0);
+        V::clear(&mut out[s * length..][range.clone()]);
     }
 }
