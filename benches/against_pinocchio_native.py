@@ -181,7 +181,7 @@ def regressors(name: str, robot: Any, base: Any, cpp: Peers) -> None:
     times = ns(robot.regressor, n * c)
     row(name, "W, in cache", times, cpp.regressor, (12, 12))
     row(name, "W, in cache / Python loop", times, loop, (30, 30))
-    times = ns(robot.torques, n * c, X)
+    times = ns(robot.torques, 128, X)  # of 512 samples
     row(name, "torques / rnea", times, cpp.rnea, (10, 10))
     one, W = tuple(samples(n, 1)[:, 0]), np.zeros((n, c))
     times = best(lambda: robot.regressor(*one, out=W)) * 1e9
