@@ -20,6 +20,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
@@ -47,6 +48,8 @@ LIMBS = (
 )
 ROUNDS = 9
 LARGE = 100_000
+CACHED = 2**19
+"""Bytes of a batch's result that stay in the second cache: half of it."""
 WIDE = int(os.environ.get("ROBERVAL_LANES", "8")) >= 8
 """Whether AVX-512 may be used: its targets, or those of AVX2."""
 
@@ -161,31 +164,28 @@ def row(
 def regressors(name: str, robot: Any, base: Any, cpp: Peers) -> None:
     """Print rows of d in the cache, and torques."""
     n, c, b = robot.n, len(robot.parameters), base.rank
-    rng = np.random.default_rng(1)
-    # W of a batch stays in the cache.
-    cached = 512 if n < 20 else 64
-    small = rng.uniform(-1, 1, (3, cached, n))
-    W, B = np.zeros((cached, n, c)), np.zeros((cached, n, b))
-    packed = np.zeros_like(robot.packed(*small))
-    one = tuple(small[:, 0])
-    X = np.ones(c)
-    out = np.zeros((cached, n))
+    X, solo = np.ones(c), {"threads": 1}
+    loop = python_loop(robot, samples(n, 64))
 
-    def ns(task: Task, samples: int) -> float:
-        return best(task) / samples * 1e9
+    def ns(call: Callable[..., Any], numbers: int, *extra: Any) -> float:
+        states = samples(n, max(8, CACHED // (8 * numbers) // 8 * 8))
+        out = call(*states, *extra)
+        task = lambda: call(*states, *extra, out=out, **solo)  # noqa: E731
+        return best(task) / states.shape[1] * 1e9
 
-    solo: dict[str, Any] = {"threads": 1}
-    times = ns(lambda: robot.packed(*small, out=packed, **solo), cached)
-    row(name, "packed, in cache", times, cpp.regressor, (36, 23))
-    times = ns(lambda: base.regressor(*small, out=B, **solo), cached)
+    packed = ns(robot.packed, len(robot.packed_entries()))
+    row(name, "packed, in cache", packed, cpp.regressor, (36, 23))
+    row(name, "packed, in cache / Python loop", packed, loop, (30, 30))
+    times = ns(base.regressor, n * b)
     row(name, "base columns (N, n, b), in cache", times, cpp.regressor, None)
-    times = ns(lambda: robot.regressor(*small, out=W, **solo), cached)
+    times = ns(robot.regressor, n * c)
     row(name, "W, in cache", times, cpp.regressor, (12, 12))
-    row(name, "W, in cache / Python loop", times, python_loop(robot, small), (30, 30))
-    times = ns(lambda: robot.torques(*small, X, out=out, **solo), cached)
+    row(name, "W, in cache / Python loop", times, loop, (30, 30))
+    times = ns(robot.torques, 128, X)  # of 512 samples
     row(name, "torques / rnea", times, cpp.rnea, (10, 10))
-    times = ns(lambda: robot.regressor(*one, out=W[0]), 1)
-    row(name, "one state, a call from Python", times, cpp.regressor, None)
+    one, W = tuple(samples(n, 1)[:, 0]), np.zeros((n, c))
+    times = best(lambda: robot.regressor(*one, out=W)) * 1e9
+    row(name, "one state / Pinocchio from Python", times, python_call(robot, one), None)
 
 
 def in_memory(name: str, robot: Any, cpp: Peers) -> None:
@@ -200,6 +200,20 @@ def in_memory(name: str, robot: Any, cpp: Peers) -> None:
     missed = "" if share >= 0.6 else " missed"
     rate = f"of the stores' {cpp.stores:.1f} GB/s"
     print(f"{name:7} {rate:30} {share:27.0%}   60%{missed}", flush=True)
+
+
+def samples(n: int, count: int) -> Any:
+    """Return q, qd and qdd of so many samples."""
+    return np.random.default_rng(1).uniform(-1, 1, (3, count, n))
+
+
+def python_call(robot: Any, one: Any) -> float:
+    """Time a call of Pinocchio's regressor from Python, ns."""
+    import pinocchio as pin
+
+    built = model(robot)
+    data = built.createData()
+    return best(lambda: pin.computeJointTorqueRegressor(built, data, *one)) * 1e9
 
 
 def python_loop(robot: Any, states: Any) -> float:

@@ -76,31 +76,31 @@ class Robot:
         self,
         model: str,
         columns: Columns | None,
-        q: _Array,
-        qd: _Array,
-        qdd: _Array,
-        out: _Array,
+        q: object,
+        qd: object,
+        qdd: object,
+        out: object,
         threads: int | None,
-    ) -> None: ...
+    ) -> bool: ...
     def packed(
         self,
         model: str,
-        q: _Array,
-        qd: _Array,
-        qdd: _Array,
-        out: _Array,
+        q: object,
+        qd: object,
+        qdd: object,
+        out: object,
         threads: int | None,
-    ) -> None: ...
+    ) -> bool: ...
     def packed_layout(self, model: str) -> tuple[list[list[int]], int]: ...
     def torques(
         self,
         x: _Array,
-        q: _Array,
-        qd: _Array,
-        qdd: _Array,
-        out: _Array,
+        q: object,
+        qd: object,
+        qdd: object,
+        out: object,
         threads: int | None,
-    ) -> None: ...
+    ) -> bool: ...
     def expand(self, q: _Array, qd: _Array, qdd: _Array) -> list[_Array]: ...
     @property
     def loops(self) -> list[tuple[list[str], str]]: ...

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple, TypeAlias
 
@@ -14,6 +15,9 @@ Array: TypeAlias = npt.NDArray[np.float64]
 """A float64 array."""
 
 _FLOAT = np.dtype(np.float64)
+
+_LINE = 64
+"""Bytes of a cache line."""
 
 
 def numbers(name: str, value: npt.ArrayLike) -> Array:
@@ -90,6 +94,20 @@ def output(out: Array | None, shape: tuple[int, ...]) -> Array:
     if not out.flags.c_contiguous or not out.flags.aligned:
         raise ArrayError("out is not C-contiguous: make it with numpy.empty(shape)")
     return out
+
+
+def lines(shape: tuple[int, ...]) -> Array:
+    """Return a new array that begins with a cache line: tiles are written line by line."""
+    count = math.prod(shape)
+    numbers = np.empty(count + _LINE // 8)
+    first = -numbers.ctypes.data % _LINE // 8
+    return numbers[first : first + count].reshape(shape)
+
+
+def done(filled: bool) -> None:
+    """Raise an error if a call with plain arrays did nothing."""
+    if not filled:
+        raise ArrayError("q, qd or qdd is the output of a call that another thread has begun")
 
 
 def thread_count(threads: int | None) -> int | None:

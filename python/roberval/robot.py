@@ -339,12 +339,14 @@ class Robot(Description):
         >>> slots, tiles * lanes >= 100
         (216, True)
         """
+        threads = arrays.thread_count(threads)
+        if out is not None and self._inner.packed(model, q, qd, qdd, out, threads):
+            return out
         states = self._states(model, q, qd, qdd)
         entries, lanes = self._packed_layout(model)
         shape = (-(-len(states.q) // lanes), len(entries), lanes)
-        out = arrays.output(out, shape)
-        threads = arrays.thread_count(threads)
-        self._inner.packed(model, states.q, states.qd, states.qdd, out, threads)
+        out = arrays.lines(shape) if out is None else arrays.output(out, shape)
+        arrays.done(self._inner.packed(model, *states[:3], out, threads))
         return out
 
     def packed_entries(self, model: Model = "d") -> npt.NDArray[np.intp]:
@@ -369,12 +371,15 @@ class Robot(Description):
         threads: int | None,
     ) -> Array:
         """Evaluate the regressor, or some of its columns (with their number)."""
-        states = self._states(model, q, qd, qdd)
         chosen, width = columns or (None, len(self._labels))
         threads = arrays.thread_count(threads)
+        if out is not None and self._inner.regressor(model, chosen, q, qd, qdd, out, threads):
+            return out
+        states = self._states(model, q, qd, qdd)
         rows = () if model == "h" else (self.n,)
         out = arrays.output(out, (*states.lead, *rows, width))
-        self._inner.regressor(model, chosen, states.q, states.qd, states.qdd, out, threads)
+        into = out if states.lead else out[None]
+        arrays.done(self._inner.regressor(model, chosen, *states[:3], into, threads))
         return out
 
     def _states(
@@ -425,11 +430,14 @@ class Robot(Description):
         ShapeError, ArrayError, UnknownParameterError
             An argument is not usable.
         """
-        states = arrays.states(q, qd, qdd, self.nq, self.n)
         x = self._standard_parameters(X)
-        out = arrays.output(out, (*states.lead, self.n))
         threads = arrays.thread_count(threads)
-        self._inner.torques(x, states.q, states.qd, states.qdd, out, threads)
+        if out is not None and self._inner.torques(x, q, qd, qdd, out, threads):
+            return out
+        states = arrays.states(q, qd, qdd, self.nq, self.n)
+        out = arrays.output(out, (*states.lead, self.n))
+        into = out if states.lead else out[None]
+        arrays.done(self._inner.torques(x, *states[:3], into, threads))
         return out
 
     def _standard_parameters(self, X: npt.ArrayLike | Mapping[str, float] | None) -> Array:

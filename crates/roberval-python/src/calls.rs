@@ -28,6 +28,14 @@ where
     answer(py, caught)
 }
 
+/// As [`detached`] for work of microseconds: the GIL is kept.
+pub fn attached<T, E: IntoPython>(
+    py: Python<'_>,
+    work: impl FnOnce() -> Result<T, E>,
+) -> PyResult<T> {
+    answer(py, catch_unwind(AssertUnwindSafe(work)))
+}
+
 /// As [`detached`] for work of seconds, on a thread of its own: Ctrl-C gives Python back
 /// at once, and the thread stops at its next cancellation point.
 pub fn interruptible<T, E>(

@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use numpy::{PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use roberval_base::{base_parameters, base_parameters_at, compare};
 use roberval_formats::{
     self as formats, FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml, to_urdf,
 };
 use roberval_mechanism::{Couple, Mechanism, RobotDescription, SourceFormat};
-use roberval_regressor::Regressor;
+use roberval_regressor::{Model, Regressor, RegressorError, States};
 use roberval_tables as tables;
 
 use crate::answer::{Answer, Comparison};
@@ -17,7 +17,7 @@ use crate::calls::{detached, interruptible};
 use crate::errors::IntoPython;
 use crate::options::{self, OptionArguments, Reading, rendering};
 use crate::scaling::{self, Scaling, ScalingArguments};
-use crate::states::{StateArrays, Target, vector};
+use crate::states::{StateArrays, Target, output, vector};
 use crate::symbols::Symbolic;
 
 /// A robot, immutable.
@@ -264,57 +264,66 @@ impl Robot {
         Ok(Columns(self.regressor.columns(model, &columns)))
     }
 
-    /// Rows of d, d0 or h into `out`: all columns, or those made ready.
+    /// Rows of d, d0 or h into `out`: all columns, or those made ready. False, and nothing
+    /// done, if an array is not plain or does not fit (see `StateArrays::of`).
     #[allow(clippy::too_many_arguments)] // the signature is Python's
     fn regressor<'py>(
         &self,
         py: Python<'py>,
         model: &str,
         columns: Option<&Columns>,
-        q: PyReadonlyArray2<'py, f64>,
-        qd: PyReadonlyArray2<'py, f64>,
-        qdd: PyReadonlyArray2<'py, f64>,
-        out: &Bound<'py, PyArrayDyn<f64>>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+        out: &Bound<'py, PyAny>,
         threads: Option<usize>,
-    ) -> PyResult<()> {
+    ) -> PyResult<bool> {
         let model = options::model(py, model)?;
         let columns = columns.map(|columns| &columns.0);
         let all = self.regressor.parameters().len();
         let width = columns.map_or(all, |columns| columns.columns().len());
-        let target = Target {
-            out,
-            size: model.rows(self.regressor.independent()) * width,
-            tile: 1,
-            slow: self.regressor.expansion().is_some(),
+        let rows = model.rows(self.regressor.independent());
+        let shape: &[usize] = match model {
+            Model::D | Model::D0 => &[rows, width],
+            Model::H => &[width],
+        };
+        let tiles = Tiles {
+            shape: |lead: &[usize]| [lead, shape].concat(),
+            size: rows * width,
+            lanes: 1,
             threads,
         };
-        StateArrays { q, qd, qdd }.fill(py, &target, |states, out, past_cache| {
+        self.fill(py, [q, qd, qdd], out, tiles, |states, out, past_cache| {
             let regressor = &self.regressor;
             regressor.fill_part(model, columns, states, out, past_cache)
         })
     }
 
-    /// The nonzeros in tiles into `out`.
+    /// The nonzeros in tiles into `out`. False as for the regressor.
     #[allow(clippy::too_many_arguments)] // the signature is Python's
     fn packed<'py>(
         &self,
         py: Python<'py>,
         model: &str,
-        q: PyReadonlyArray2<'py, f64>,
-        qd: PyReadonlyArray2<'py, f64>,
-        qdd: PyReadonlyArray2<'py, f64>,
-        out: &Bound<'py, PyArrayDyn<f64>>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+        out: &Bound<'py, PyAny>,
         threads: Option<usize>,
-    ) -> PyResult<()> {
+    ) -> PyResult<bool> {
         let model = options::model(py, model)?;
-        let target = Target {
-            out,
-            size: self.regressor.packed_layout(model).entries().len(),
-            tile: self.regressor.lanes(),
-            slow: self.regressor.expansion().is_some(),
+        let slots = self.regressor.packed_layout(model).entries().len();
+        let lanes = self.regressor.lanes();
+        let tiles = Tiles {
+            shape: |lead: &[usize]| {
+                let samples: usize = lead.iter().product();
+                vec![samples.div_ceil(lanes), slots, lanes]
+            },
+            size: slots,
+            lanes,
             threads,
         };
-        StateArrays { q, qd, qdd }.fill(py, &target, |states, out, past_cache| {
+        self.fill(py, [q, qd, qdd], out, tiles, |states, out, past_cache| {
             let regressor = &self.regressor;
             regressor.fill_packed_part(model, states, out, past_cache)
         })
@@ -327,27 +336,26 @@ impl Robot {
         Ok((entries.collect(), self.regressor.lanes()))
     }
 
-    /// Gamma = d X into `out` (N x n).
+    /// Gamma = d X into `out` (N x n). False as for the regressor.
     #[allow(clippy::too_many_arguments)] // the signature is Python's
     fn torques<'py>(
         &self,
         py: Python<'py>,
         x: PyReadonlyArray1<'_, f64>,
-        q: PyReadonlyArray2<'py, f64>,
-        qd: PyReadonlyArray2<'py, f64>,
-        qdd: PyReadonlyArray2<'py, f64>,
-        out: &Bound<'py, PyArrayDyn<f64>>,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        qdd: &Bound<'py, PyAny>,
+        out: &Bound<'py, PyAny>,
         threads: Option<usize>,
-    ) -> PyResult<()> {
-        let x = vector(&x)?;
-        let target = Target {
-            out,
-            size: self.regressor.independent(),
-            tile: 1,
-            slow: self.regressor.expansion().is_some(),
+    ) -> PyResult<bool> {
+        let (x, m) = (vector(&x)?, self.regressor.independent());
+        let tiles = Tiles {
+            shape: |lead: &[usize]| [lead, &[m]].concat(),
+            size: m,
+            lanes: 1,
             threads,
         };
-        StateArrays { q, qd, qdd }.fill(py, &target, |states, out, _| {
+        self.fill(py, [q, qd, qdd], out, tiles, |states, out, _| {
             self.regressor.torques(&x, states, out)
         })
     }
@@ -356,9 +364,9 @@ impl Robot {
     fn expand<'py>(
         &self,
         py: Python<'py>,
-        q: PyReadonlyArray2<'_, f64>,
-        qd: PyReadonlyArray2<'_, f64>,
-        qdd: PyReadonlyArray2<'_, f64>,
+        q: PyReadonlyArrayDyn<'_, f64>,
+        qd: PyReadonlyArrayDyn<'_, f64>,
+        qdd: PyReadonlyArrayDyn<'_, f64>,
     ) -> PyResult<Vec<Bound<'py, PyArray1<f64>>>> {
         let samples = StateArrays { q, qd, qdd }.all()?.into_samples();
         let all = detached(py, || self.regressor.expand(samples.states()))?;
@@ -388,9 +396,9 @@ impl Robot {
         &self,
         py: Python<'_>,
         options: OptionArguments,
-        q: Option<PyReadonlyArray2<'_, f64>>,
-        qd: Option<PyReadonlyArray2<'_, f64>>,
-        qdd: Option<PyReadonlyArray2<'_, f64>>,
+        q: Option<PyReadonlyArrayDyn<'_, f64>>,
+        qd: Option<PyReadonlyArrayDyn<'_, f64>>,
+        qdd: Option<PyReadonlyArrayDyn<'_, f64>>,
     ) -> PyResult<Answer> {
         let options = options.check(py)?;
         let mechanism = Arc::clone(&self.mechanism);
@@ -427,7 +435,46 @@ impl Robot {
     }
 }
 
+/// How the numbers of a call lie in its target.
+struct Tiles<S> {
+    /// The target's shape, from what stands before the coordinates in that of q.
+    shape: S,
+    /// Numbers of one sample.
+    size: usize,
+    /// Samples that stand together.
+    lanes: usize,
+    /// All cores if none is given.
+    threads: Option<usize>,
+}
+
 impl Robot {
+    /// Fills `out`, or does nothing and says so where an array is not plain or does not fit.
+    fn fill<'py>(
+        &self,
+        py: Python<'py>,
+        states: [&Bound<'py, PyAny>; 3],
+        out: &Bound<'py, PyAny>,
+        tiles: Tiles<impl Fn(&[usize]) -> Vec<usize>>,
+        fill: impl Fn(States<'_>, &mut [f64], bool) -> Result<(), RegressorError> + Sync,
+    ) -> PyResult<bool> {
+        let regressor = &self.regressor;
+        let widths = (regressor.positions(), regressor.independent());
+        let Some(states) = StateArrays::of(states, widths.0, widths.1) else {
+            return Ok(false);
+        };
+        let Some(out) = output(out, &(tiles.shape)(states.lead())) else {
+            return Ok(false);
+        };
+        let target = Target {
+            out,
+            size: tiles.size,
+            tile: tiles.lanes,
+            slow: regressor.expansion().is_some(),
+            threads: tiles.threads,
+        };
+        states.fill(py, &target, fill)
+    }
+
     fn of(
         py: Python<'_>,
         description: RobotDescription,

@@ -3,14 +3,14 @@
 use std::sync::{Mutex, PoisonError};
 
 use numpy::{
-    PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArrayDyn,
-    PyUntypedArrayMethods,
+    BorrowError, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArrayDyn,
+    PyReadwriteArrayDyn, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 use roberval_base::Samples;
 use roberval_regressor::{RegressorError, STREAM_BYTES, States};
 
-use crate::calls::detached;
+use crate::calls::{attached, detached};
 use crate::errors::raise;
 
 /// Samples that one thread takes at a time: whole tiles, whole stretches of samples whose
@@ -29,11 +29,15 @@ const SLOW_WAVE: usize = 1 << 10;
 /// Numbers that are not worth a second thread.
 const SMALL: usize = 1 << 17;
 
-/// N joint states of Python.
+/// Numbers of joint states that are not worth giving Python to other threads, nor the copy
+/// which this takes: a tenth of a millisecond.
+const QUICK: usize = 1 << 13;
+
+/// Joint states of Python: one, or N.
 pub struct StateArrays<'py> {
-    pub q: PyReadonlyArray2<'py, f64>,
-    pub qd: PyReadonlyArray2<'py, f64>,
-    pub qdd: PyReadonlyArray2<'py, f64>,
+    pub q: PyReadonlyArrayDyn<'py, f64>,
+    pub qd: PyReadonlyArrayDyn<'py, f64>,
+    pub qdd: PyReadonlyArrayDyn<'py, f64>,
 }
 
 /// A copy of joint states: Python's threads may change the arrays while we compute.
@@ -60,10 +64,52 @@ pub struct Target<'a, 'py> {
     pub threads: Option<usize>,
 }
 
+/// A plain array of these dimensions: of floats, in C order.
+fn plain<'a, 'py>(
+    array: &'a Bound<'py, PyAny>,
+    shape: impl Fn(&[usize]) -> bool,
+) -> Option<&'a Bound<'py, PyArrayDyn<f64>>> {
+    let array = array.cast_exact::<PyArrayDyn<f64>>().ok()?;
+    let fits = array.is_c_contiguous() && array.is_aligned() && shape(array.shape());
+    fits.then_some(array)
+}
+
+/// The array that is to be filled, if it is one of this shape.
+pub fn output<'a, 'py>(
+    out: &'a Bound<'py, PyAny>,
+    shape: &[usize],
+) -> Option<&'a Bound<'py, PyArrayDyn<f64>>> {
+    plain(out, |found| found == shape)
+}
+
 impl<'py> StateArrays<'py> {
+    /// The states, if nothing about these arrays has to be converted or complained of.
+    pub fn of([q, qd, qdd]: [&Bound<'py, PyAny>; 3], positions: usize, dof: usize) -> Option<Self> {
+        let q = plain(q, |shape| {
+            shape.len() <= 2 && shape.last() == Some(&positions)
+        })?;
+        let lead = &q.shape()[..q.ndim() - 1];
+        let moving = |x| plain(x, |shape| shape.split_last() == Some((&dof, lead)));
+        Some(Self {
+            qd: moving(qd)?.try_readonly().ok()?,
+            qdd: moving(qdd)?.try_readonly().ok()?,
+            q: q.try_readonly().ok()?,
+        })
+    }
+
+    /// What stands before the coordinates in the shape of q.
+    pub fn lead(&self) -> &[usize] {
+        &self.q.shape()[..self.q.ndim() - 1]
+    }
+
+    fn widths(&self) -> (usize, usize) {
+        let of = |x: &PyReadonlyArrayDyn<'_, f64>| x.shape().last().copied();
+        (of(&self.q).unwrap_or(0), of(&self.qd).unwrap_or(0))
+    }
+
     /// The samples `first..last` into `to`.
     fn copy(&self, first: usize, last: usize, to: &mut OwnedStates) -> PyResult<()> {
-        (to.positions, to.dof) = (self.q.shape()[1], self.qd.shape()[1]);
+        (to.positions, to.dof) = self.widths();
         let arrays = [
             (&self.q, &mut to.q, to.positions),
             (&self.qd, &mut to.qd, to.dof),
@@ -84,24 +130,52 @@ impl<'py> StateArrays<'py> {
     }
 
     fn count(&self) -> usize {
-        self.q.shape()[0]
+        self.lead().iter().product()
+    }
+
+    /// The arrays themselves, for as long as no other thread of Python runs.
+    fn borrowed(&self) -> PyResult<States<'_>> {
+        Ok(States {
+            q: self.q.as_slice()?,
+            qd: self.qd.as_slice()?,
+            qdd: self.qdd.as_slice()?,
+        })
     }
 
     /// Calls `fill` for piece after piece of samples with the GIL released, on several
     /// threads if there are many, each with its part of the target and told whether to
-    /// write past the cache. Answers Ctrl-C in between.
+    /// write past the cache. Answers Ctrl-C in between. Few samples are done at once. False,
+    /// and nothing done, if the target is read-only.
     pub fn fill(
         self,
         py: Python<'_>,
         target: &Target<'_, '_>,
         fill: impl Fn(States<'_>, &mut [f64], bool) -> Result<(), RegressorError> + Sync,
-    ) -> PyResult<()> {
-        let mut scratch = OwnedStates::default();
-        if let Ok(mut out) = target.out.try_readwrite() {
-            let each = |first, last, to: &mut OwnedStates| self.copy(first, last, to);
-            return waves(py, target, self.count(), &mut out, &mut scratch, each, fill);
+    ) -> PyResult<bool> {
+        match target.out.try_readwrite() {
+            Err(BorrowError::NotWriteable) => Ok(false),
+            Ok(mut out) => {
+                if !target.slow && self.qd.len() <= QUICK {
+                    let (states, out) = (self.borrowed()?, out.as_slice_mut()?);
+                    let past_cache = size_of_val(out) > STREAM_BYTES;
+                    attached(py, || fill(states, out, past_cache))?;
+                } else {
+                    let each = |first, last, to: &mut OwnedStates| self.copy(first, last, to);
+                    waves(py, target, self.count(), &mut out, each, fill)?;
+                }
+                Ok(true)
+            }
+            Err(_) => self.fill_copied(py, target, fill),
         }
-        // The states are in the memory of the target: all are copied first.
+    }
+
+    /// As `fill` where the states are in the memory of the target: all are copied first.
+    fn fill_copied(
+        self,
+        py: Python<'_>,
+        target: &Target<'_, '_>,
+        fill: impl Fn(States<'_>, &mut [f64], bool) -> Result<(), RegressorError> + Sync,
+    ) -> PyResult<bool> {
         let (all, count) = (self.all()?, self.count());
         drop(self);
         let mut out = target
@@ -112,7 +186,8 @@ impl<'py> StateArrays<'py> {
             *to = all.cut(first, last);
             Ok(())
         };
-        waves(py, target, count, &mut out, &mut scratch, each, fill)
+        waves(py, target, count, &mut out, each, fill)?;
+        Ok(true)
     }
 }
 
@@ -122,11 +197,11 @@ fn waves(
     target: &Target<'_, '_>,
     count: usize,
     out: &mut PyReadwriteArrayDyn<'_, f64>,
-    scratch: &mut OwnedStates,
     read: impl Fn(usize, usize, &mut OwnedStates) -> PyResult<()>,
     fill: impl Fn(States<'_>, &mut [f64], bool) -> Result<(), RegressorError> + Sync,
 ) -> PyResult<()> {
     let out = out.as_slice_mut()?;
+    let mut scratch = OwnedStates::default();
     let past_cache = size_of_val(out) > STREAM_BYTES;
     let size = target.size.max(1);
     let threads = threads_for(target.threads, out.len());
@@ -137,8 +212,8 @@ fn waves(
         let last = (first + wave).min(count);
         let end = (last.next_multiple_of(target.tile) * size).min(out.len());
         let out = &mut out[first * size..end];
-        read(first, last, scratch)?;
-        let (states, fill) = (&*scratch, &fill);
+        read(first, last, &mut scratch)?;
+        let (states, fill) = (&scratch, &fill);
         detached(py, || {
             let filled = match threads {
                 1 => fill(states.all(), out, past_cache),

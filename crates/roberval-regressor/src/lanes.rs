@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use roberval_mechanism::ParameterSpace;
 use roberval_scalar::{Lanes, MAX_LANES, Task};
 
-use crate::packed::{Export, Packed, Projection};
+use crate::packed::{Export, InPlace, Packed, Projection};
 use crate::tile::Tile;
 use crate::tree_states::{Expanded, TreeStates};
 use crate::{
@@ -245,6 +245,9 @@ fn write<V: Lanes>(
     }
     let whole = V::COUNT * length;
     rows.resize(rows.len().max(whole), 0.0);
+    if stream || !out.len().is_multiple_of(whole.max(1)) {
+        rows[..whole].fill(0.0);
+    }
     for (tile, out) in out.chunks_mut(whole).enumerate() {
         let direct = out.len() == whole && !stream;
         let to = if direct {
@@ -252,6 +255,14 @@ fn write<V: Lanes>(
         } else {
             &mut rows[..whole]
         };
+        if let (1, Form::Rows(export)) = (V::COUNT, form)
+            && let Some(places) = export.places()
+        {
+            let mut sink = InPlace::new(places, to);
+            work.run(robot.tree, model, states, tile, &mut sink)?;
+            finish::<V>(&rows, out, direct, stream);
+            continue;
+        }
         let packed = match form {
             Form::Packed(_) if projection.is_none() => &mut *to,
             _ => V::numbers(&mut stage[..of_tree]),
@@ -265,21 +276,29 @@ fn write<V: Lanes>(
             }
         }
         if let Form::Rows(export) = form {
-            let stage = if projection.is_some() {
-                &projected
-            } else {
-                &stage
+            let stage = match projection {
+                Some(_) => &mut projected,
+                None => &mut stage,
             };
-            export.write(stage, to);
+            match V::COUNT {
+                1 => export.write_one(V::numbers(stage), to),
+                _ => export.write(stage, to, !direct),
+            }
         }
-        if stream {
-            V::stream(&rows[..out.len()], out);
-        } else if !direct {
-            out.copy_from_slice(&rows[..out.len()]);
-        }
+        finish::<V>(&rows, out, direct, stream);
     }
     (work.stage, work.rows, work.projected) = (stage, rows, projected);
     Ok(())
+}
+
+/// Brings the rows of a tile to their place, if they are not there.
+#[inline(always)]
+fn finish<V: Lanes>(rows: &[f64], out: &mut [f64], direct: bool, stream: bool) {
+    if stream {
+        V::stream(&rows[..out.len()], out);
+    } else if !direct {
+        out.copy_from_slice(&rows[..out.len()]);
+    }
 }
 
 /// Torques of all samples: the rows times X.

@@ -20,6 +20,9 @@ use crate::{
 pub struct PackedLayout {
     /// Row and column of each slot.
     entries: Vec<(usize, usize)>,
+    /// The slots that the recursion gives at a time; none where they are computed from those
+    /// of the tree.
+    groups: Vec<Range<usize>>,
 }
 
 impl PackedLayout {
@@ -27,6 +30,7 @@ impl PackedLayout {
         let mut sink = Entries {
             space,
             entries: Vec::new(),
+            groups: Vec::new(),
         };
         let still = vec![crate::JointMotion::prismatic(0.0, 0.0, 0.0); tree.bodies.len()];
         match model {
@@ -37,6 +41,7 @@ impl PackedLayout {
         }
         Self {
             entries: sink.entries,
+            groups: sink.groups,
         }
     }
 
@@ -102,6 +107,7 @@ impl Projection {
         let entries = slots.keys().map(|&(_, row, column)| (row, column));
         let projected = PackedLayout {
             entries: entries.collect(),
+            groups: Vec::new(),
         };
         let projection = Self {
             terms: slots.into_values().collect(),
@@ -148,17 +154,26 @@ fn sums<V: Lanes>(terms: &[Vec<(u32, u32)>], g: &[V], from: &[V], to: &mut [V]) 
 struct Entries<'a> {
     space: &'a ParameterSpace,
     entries: Vec<(usize, usize)>,
+    groups: Vec<Range<usize>>,
+}
+
+impl Entries<'_> {
+    fn add(&mut self, row: usize, columns: Range<usize>) {
+        let first = self.entries.len();
+        self.entries.extend(columns.map(|column| (row, column)));
+        self.groups.push(first..self.entries.len());
+    }
 }
 
 impl Sink<f64> for Entries<'_> {
     fn link(&mut self, link: usize, row: usize, _: [f64; 10]) {
         let first = self.space.first_column(link);
-        self.entries
-            .extend((first..first + 10).map(|column| (row, column)));
+        self.add(row, first..first + 10);
     }
 
     fn rotor(&mut self, link: usize, row: usize, _: f64) {
-        self.entries.push((row, self.space.first_column(link) + 10));
+        let column = self.space.first_column(link) + 10;
+        self.add(row, column..column + 1);
     }
 }
 
@@ -196,6 +211,56 @@ impl<V: Lanes> Sink<V> for Packed<'_> {
     }
 }
 
+/// Writes each group of slots at its place in the rows of a single sample.
+pub(crate) struct InPlace<'a> {
+    places: &'a [u32],
+    row: &'a mut [f64],
+}
+
+impl<'a> InPlace<'a> {
+    /// Zeros what has no slot.
+    #[inline(always)]
+    pub(crate) fn new(places: &'a [u32], row: &'a mut [f64]) -> Self {
+        clear(row);
+        Self { places, row }
+    }
+
+    /// The next group's numbers.
+    #[inline(always)]
+    fn next(&mut self, count: usize) -> &mut [f64] {
+        let Some((&first, rest)) = self.places.split_first() else {
+            return &mut [];
+        };
+        self.places = rest;
+        &mut self.row[first as usize..first as usize + count]
+    }
+}
+
+impl<V: Lanes> Sink<V> for InPlace<'_> {
+    #[inline(always)]
+    fn link(&mut self, _: usize, _: usize, columns: [V; 10]) {
+        for (column, to) in columns.into_iter().zip(self.next(10).chunks_exact_mut(1)) {
+            column.store(to);
+        }
+    }
+
+    #[inline(always)]
+    fn rotor(&mut self, _: usize, _: usize, value: V) {
+        value.store(self.next(1));
+    }
+}
+
+/// Zeros some hundred numbers: a call of memset would take longer than the arithmetic.
+#[inline(always)]
+fn clear(row: &mut [f64]) {
+    let zeros = std::hint::black_box([0.0; BLOCK]);
+    let mut blocks = row.chunks_exact_mut(BLOCK);
+    for block in blocks.by_ref() {
+        block.copy_from_slice(&zeros);
+    }
+    blocks.into_remainder().fill(0.0);
+}
+
 /// From packed numbers to rows without gaps, all columns or some.
 #[derive(Debug, Clone)]
 pub(crate) struct Export {
@@ -203,6 +268,8 @@ pub(crate) struct Export {
     sources: Vec<u32>,
     /// Where slots and numbers follow each other: slot, number and how many.
     runs: Vec<[usize; 3]>,
+    /// The place of each group of slots, if each stays together.
+    places: Option<Vec<u32>>,
     /// Pieces of `sources` that have a slot, as multiples of 8 numbers; the rest is zero.
     filled: Vec<Range<usize>>,
     /// Number of slots.
@@ -221,6 +288,18 @@ impl Export {
         place: impl Fn(usize) -> Option<usize>,
     ) -> Self {
         let slots = layout.entries.len();
+        let at = |slot: usize| {
+            let (row, column) = layout.entries[slot];
+            place(column).map(|place| (row * width + place) as u32)
+        };
+        let together = |group: &Range<usize>| {
+            let first = at(group.start)?;
+            let mut places = (first..).zip(group.clone());
+            places
+                .all(|(place, slot)| at(slot) == Some(place))
+                .then_some(first)
+        };
+        let places: Option<Vec<u32>> = layout.groups.iter().map(together).collect();
         let mut sources = vec![slots as u32; rows * width];
         for (slot, &(row, column)) in layout.entries.iter().enumerate() {
             if let Some(place) = place(column) {
@@ -240,6 +319,7 @@ impl Export {
         }
         Self {
             runs: runs(&sources, slots),
+            places: places.filter(|places| !places.is_empty()),
             sources,
             filled,
             slots,
@@ -251,34 +331,38 @@ impl Export {
         self.sources.len()
     }
 
+    /// Where each group of slots belongs, if each stays together.
+    pub(crate) fn places(&self) -> Option<&[u32]> {
+        self.places.as_deref()
+    }
+
     /// Number of slots, the zero's not counted.
     pub(crate) fn slots(&self) -> usize {
         self.slots
     }
 
-    /// Writes a single sample.
+    /// Writes a single sample from its packed numbers.
     #[inline(always)]
-    fn write_one<V: Lanes>(&self, stage: &[V], out: &mut [f64]) {
-        out.fill(0.0);
+    pub(crate) fn write_one(&self, numbers: &[f64], out: &mut [f64]) {
+        clear(out);
         for &[slot, at, count] in &self.runs {
-            let (from, to) = (&stage[slot..slot + count], &mut out[at..at + count]);
-            for (x, to) in from.iter().zip(to.chunks_exact_mut(1)) {
-                x.store(to);
+            let (from, to) = (&numbers[slot..slot + count], &mut out[at..at + count]);
+            for (from, to) in from.iter().zip(to) {
+                *to = *from;
             }
         }
     }
 
     /// Writes the samples of a tile, one after the other. `stage` has a zero after its
-    /// slots.
+    /// slots; what is zero for every state is left alone if it is so already.
     #[inline(always)]
-    pub(crate) fn write<V: Lanes>(&self, stage: &[V], out: &mut [f64]) {
+    pub(crate) fn write<V: Lanes>(&self, stage: &[V], out: &mut [f64], cleared: bool) {
         let length = self.len();
-        if V::COUNT == 1 {
-            return self.write_one(stage, out);
-        }
         let mut done = 0;
         for range in &self.filled {
-            zero::<V>(out, length, done..range.start);
+            if !cleared {
+                zero::<V>(out, length, done..range.start);
+            }
             let whole = range.start + (range.len() / V::COUNT) * V::COUNT;
             for first in (range.start..whole).step_by(V::COUNT) {
                 let sources = &self.sources[first..first + V::COUNT];
@@ -293,7 +377,9 @@ impl Export {
             }
             done = range.end;
         }
-        zero::<V>(out, length, done..length);
+        if !cleared {
+            zero::<V>(out, length, done..length);
+        }
     }
 }
 
@@ -320,6 +406,6 @@ fn zero<V: Lanes>(out: &mut [f64], length: usize, range: Range<usize>) {
         return;
     }
     for s in 0..V::COUNT {
-        out[s * length..][range.clone()].fill(0.0);
+        V::clear(&mut out[s * length..][range.clone()]);
     }
 }

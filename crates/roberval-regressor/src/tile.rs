@@ -1,7 +1,7 @@
 //! Joint states of as many samples as there are lanes.
 
 use roberval_mechanism::JointKind;
-use roberval_scalar::{Lanes, MAX_LANES};
+use roberval_scalar::Lanes;
 
 use crate::{BaseState, Body, Constants, JointMotion, Layout, Model, Tree, TreeStates};
 
@@ -66,18 +66,16 @@ impl<V: Lanes> Tile<V> {
         };
         let states = [samples.states.q, samples.states.qd, samples.states.qdd];
         let widths = [self.positions, self.dof, self.dof];
-        let mut sum = V::lift(0.0);
+        let mut finite = true;
         for (k, numbers) in states.into_iter().enumerate() {
             let (to, width) = (&mut self.states[k], widths[k]);
             if !looked_at[k] {
                 to.fill(V::lift(0.0));
                 continue;
             }
-            transpose(&numbers[first * width..], width, &mut self.padded, to);
-            // Zero times anything but a finite number is NaN.
-            for x in &to[..width] {
-                sum = x.mul_add(V::lift(0.0), sum);
-            }
+            let numbers = &numbers[first * width..];
+            finite &= all_finite::<V>(&numbers[..numbers.len().min(V::COUNT * width)]);
+            transpose(numbers, width, &mut self.padded, to);
         }
         self.move_bodies(tree);
         if !samples.g.is_empty() {
@@ -89,9 +87,7 @@ impl<V: Lanes> Tile<V> {
                 &mut self.g,
             );
         }
-        let mut sums = [0.0; MAX_LANES];
-        sum.store(&mut sums);
-        sums.iter().sum::<f64>() == 0.0
+        finite
     }
 
     #[inline(always)]
@@ -114,6 +110,25 @@ impl<V: Lanes> Tile<V> {
             set(motion, body, [q[j], qd[j], qdd[j]]);
         }
     }
+}
+
+/// Whether no number is infinite or NaN: zero times any other is zero.
+#[inline(always)]
+fn all_finite<V: Lanes>(numbers: &[f64]) -> bool {
+    let zero = V::lift(0.0);
+    let mut sums = [zero; 4];
+    let mut blocks = numbers.chunks_exact(4 * V::COUNT);
+    for block in blocks.by_ref() {
+        for (sum, x) in sums.iter_mut().zip(block.chunks_exact(V::COUNT)) {
+            *sum = V::load(x).mul_add(zero, *sum);
+        }
+    }
+    let mut rest = blocks.remainder().chunks_exact(V::COUNT);
+    for (sum, x) in sums.iter_mut().zip(rest.by_ref()) {
+        *sum = V::load(x).mul_add(zero, *sum);
+    }
+    let sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+    sum.is_zero() && rest.remainder().iter().all(|x| x.is_finite())
 }
 
 /// The base's state. A lane after the last sample has no attitude; any will do.

@@ -56,6 +56,9 @@ pub trait Lanes: Lift<f64> + Debug + Send + Sync + 'static {
     /// `self`, but 0 where `test` is 0.
     fn where_nonzero(self, test: Self) -> Self;
 
+    /// Whether all lanes are 0, none of them NaN.
+    fn is_zero(self) -> bool;
+
     /// Sine and cosine: within 1 ulp for |x| <= 100, any x; NaN for infinite x.
     fn sin_cos(self) -> (Self, Self);
 
@@ -80,6 +83,11 @@ pub trait Lanes: Lift<f64> + Debug + Send + Sync + 'static {
                 to[s * stride + k] = *x;
             }
         }
+    }
+
+    /// Zeros.
+    fn clear(to: &mut [f64]) {
+        to.fill(0.0);
     }
 
     /// Copies past the cache: for results that are larger than it.

@@ -104,6 +104,11 @@ impl Lanes for F64x2 {
     }
 
     #[inline(always)]
+    fn is_zero(self) -> bool {
+        self.all_within(0.0)
+    }
+
+    #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         trigonometry::sin_cos(self)
     }

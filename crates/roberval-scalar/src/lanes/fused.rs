@@ -106,6 +106,11 @@ impl Lanes for Fused {
     }
 
     #[inline(always)]
+    fn is_zero(self) -> bool {
+        self.0 == 0.0
+    }
+
+    #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         trigonometry::sin_cos(self)
     }

@@ -41,6 +41,11 @@ impl Lanes for f64 {
     }
 
     #[inline(always)]
+    fn is_zero(self) -> bool {
+        self == 0.0
+    }
+
+    #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         f64::sin_cos(self)
     }

@@ -30,6 +30,7 @@ pub(super) fn dispatch<T: Task>(width: Width, task: T) -> T::Output {
         // SAFETY: the processor has the features (previous line).
         Width::Eight => unsafe { eight(task) },
         Width::Four => unsafe { four(task) },
+        Width::One if available(Width::Eight) => unsafe { one_of_32(task) },
         Width::One => unsafe { one(task) },
         Width::Plain | Width::Two => task.run::<f64>(),
     }
@@ -52,6 +53,12 @@ fn eight<T: Task>(task: T) -> T::Output {
 #[target_feature(enable = "avx2,fma")]
 fn four<T: Task>(task: T) -> T::Output {
     task.run::<F64x4>()
+}
+
+/// One lane with the registers of AVX-512, twice as many: a sixth faster.
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+fn one_of_32<T: Task>(task: T) -> T::Output {
+    task.run::<Fused>()
 }
 
 #[target_feature(enable = "avx2,fma")]
@@ -172,6 +179,11 @@ impl Lanes for F64x8 {
     }
 
     #[inline(always)]
+    fn is_zero(self) -> bool {
+        self.all_within(0.0)
+    }
+
+    #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         trigonometry::sin_cos(self)
     }
@@ -200,6 +212,22 @@ impl Lanes for F64x8 {
         for (s, row) in transposed8(columns).into_iter().enumerate() {
             // SAFETY: row s begins at s * stride and its 8 numbers are there (asserted).
             unsafe { _mm512_storeu_pd(to.as_mut_ptr().add(s * stride), row.0) }
+        }
+    }
+
+    #[inline(always)]
+    fn clear(to: &mut [f64]) {
+        let count = to.len();
+        if count < MEMSET_IS_SLOW {
+            return to.fill(0.0);
+        }
+        // Hidden, or the loop becomes a call of memset.
+        let zero = std::hint::black_box(Self::lift(0.0));
+        // The ends, wherever they are; between them whole lines.
+        zero.store(to);
+        zero.store(&mut to[count - Self::COUNT..]);
+        for line in aligned(to, 64).1.chunks_exact_mut(Self::COUNT) {
+            zero.store(line);
         }
     }
 
@@ -345,6 +373,11 @@ impl Lanes for F64x4 {
     }
 
     #[inline(always)]
+    fn is_zero(self) -> bool {
+        self.all_within(0.0)
+    }
+
+    #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         trigonometry::sin_cos(self)
     }
@@ -373,6 +406,22 @@ impl Lanes for F64x4 {
         for (s, row) in transposed4(columns).into_iter().enumerate() {
             // SAFETY: row s begins at s * stride and its 4 numbers are there (asserted).
             unsafe { _mm256_storeu_pd(to.as_mut_ptr().add(s * stride), row.0) }
+        }
+    }
+
+    #[inline(always)]
+    fn clear(to: &mut [f64]) {
+        let count = to.len();
+        if count < MEMSET_IS_SLOW {
+            return to.fill(0.0);
+        }
+        // Hidden, or the loop becomes a call of memset.
+        let zero = std::hint::black_box(Self::lift(0.0));
+        // The ends, wherever they are; between them whole lines.
+        zero.store(to);
+        zero.store(&mut to[count - Self::COUNT..]);
+        for line in aligned(to, 32).1.chunks_exact_mut(Self::COUNT) {
+            zero.store(line);
         }
     }
 
@@ -445,6 +494,10 @@ impl Quadrants for F64x4 {
         }
     }
 }
+
+/// From so many numbers on memset fills by a microcoded instruction, which takes twice as
+/// long in the second cache.
+const MEMSET_IS_SLOW: usize = 256;
 
 /// The numbers before the first multiple of `alignment` bytes, and the others.
 fn aligned(to: &mut [f64], alignment: usize) -> (&mut [f64], &mut [f64]) {
