@@ -93,7 +93,7 @@ impl Task for Absorb<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
         let (plan, regressor) = (self.plan, self.regressor);
-        let mut tile = vec![V::lift(0.0); plan.tile + 1 + plan.groups];
+        let mut tile = vec![V::lift(0.0); plan.tile + 1];
         let mut rows = TileRows::<V>::new(regressor);
         let mut expanded = Expanded::default();
         let size = plan.samples();
@@ -161,10 +161,10 @@ fn fill<V: Lanes>(plan: &Plan, samples: &Measured<'_>, at: usize, group: usize, 
         let velocity = column.take::<V>(samples.states.qd);
         let sign = one.with_sign_of(velocity).where_nonzero(velocity);
         let [viscous, coulomb, offset] = plan.friction[j];
-        out[viscous as usize + group] = velocity;
-        out[coulomb as usize + group] = sign;
-        out[offset as usize + group] = one;
-        out[plan.right[j] as usize + group] = column.take::<V>(samples.tau);
+        out[viscous.of(group)] = velocity;
+        out[coulomb.of(group)] = sign;
+        out[offset.of(group)] = one;
+        out[plan.right[j].of(group)] = column.take::<V>(samples.tau);
     }
     if samples.weights.is_empty() {
         return;
@@ -172,7 +172,7 @@ fn fill<V: Lanes>(plan: &Plan, samples: &Measured<'_>, at: usize, group: usize, 
     for j in 0..n {
         let weight = Gather { n, j, at }.take::<V>(samples.weights);
         for &target in &plan.rows[j] {
-            let entry = &mut out[target as usize + group];
+            let entry = &mut out[target.of(group)];
             *entry = *entry * weight;
         }
     }
@@ -212,7 +212,7 @@ impl<V: Lanes> Slots<V> for TileRowsOf<'_, V> {
     fn put(&mut self, first: usize, numbers: &[V]) {
         let targets = &self.plan.slots[first..first + numbers.len()];
         for (target, x) in targets.iter().zip(numbers) {
-            self.tile[*target as usize + self.group] = *x;
+            self.tile[target.of(self.group)] = *x;
         }
     }
 }
@@ -254,7 +254,7 @@ impl Task for Merge<'_> {
 pub(crate) fn spread<V: Lanes>(triangle: &crate::layout::Segment, rows: &[V], tile: &mut [V]) {
     for (column, shape) in triangle.columns.iter().enumerate() {
         for row in 0..=column {
-            tile[shape.offset + row] = rows[triangle.row(row) + column - row];
+            tile[shape.offset + row * shape.stride] = rows[triangle.row(row) + column - row];
         }
     }
 }
