@@ -4,6 +4,11 @@
 //! of R. Columns come in panels of at most four with the same rows; a panel is applied to
 //! each panel after it in one go (compact WY form: `I - V T V'`), so that up to sixteen
 //! sums stay in registers.
+//!
+//! A reflector's vector is the tile's column as it is, with an entry of its own (its head)
+//! on R's row. The head has the sign that leaves R's row nearly as it was: a tile adds
+//! little to what thousands before it gave. With the usual sign R would change its sign
+//! with each tile, and each time be rounded by what it holds instead of by what is added.
 
 use roberval_scalar::Lanes;
 
@@ -36,7 +41,7 @@ fn eliminate<V: Lanes, const K: usize>(
 ) {
     let (before, later) = tile.split_at_mut(panel.end());
     let (v, _) = before[panel.offset..].as_chunks_mut::<K>();
-    let t = factor(segment, panel, r, v);
+    let (t, heads) = factor(segment, panel, r, v);
     let mut rows = [0; K];
     for (k, row) in rows.iter_mut().enumerate() {
         // Where column 0 would be in this row of R.
@@ -46,6 +51,7 @@ fn eliminate<V: Lanes, const K: usize>(
         let x = &mut later[target.offset - panel.end()..][..panel.rows * target.count];
         let block = Block {
             t: &t,
+            heads: &heads,
             v,
             rows: rows.map(|row| row.wrapping_add(target.first)),
         };
@@ -53,68 +59,65 @@ fn eliminate<V: Lanes, const K: usize>(
     }
 }
 
-/// The reflectors of a panel: leaves their vectors in the tile (their leading ones, which
-/// stand on R's rows, are implied) and returns T.
+/// The reflectors of a panel: leaves their vectors in the tile and returns T and the heads.
 #[inline(always)]
 fn factor<V: Lanes, const K: usize>(
     segment: &Segment,
     panel: &Panel,
     r: &mut [V],
     x: &mut [[V; K]],
-) -> [[V; K]; K] {
-    let mut t = [[V::lift(0.0); K]; K];
+) -> ([[V; K]; K], [V; K]) {
+    let (mut t, mut heads) = ([[V::lift(0.0); K]; K], [V::lift(0.0); K]);
     let mut products = products(x);
     for j in 0..K {
         let row = &mut r[segment.row(panel.first + j)..][..K - j];
-        products = match j {
+        (heads[j], products) = match j {
             0 => reflect::<V, K, 0>(row, x, &products, &mut t),
             1 => reflect::<V, K, 1>(row, x, &products, &mut t),
             2 => reflect::<V, K, 2>(row, x, &products, &mut t),
             _ => reflect::<V, K, 3>(row, x, &products, &mut t),
         };
     }
-    t
+    (t, heads)
 }
 
 /// Reflects column J of a panel, `products` being those of the column with all of them and
 /// `row` that of R, from the diagonal to the panel's end. Goes over the tile once and
-/// returns the products of the next column.
+/// returns the reflector's head and the products of the next column.
 #[inline(always)]
 fn reflect<V: Lanes, const K: usize, const J: usize>(
     row: &mut [V],
     x: &mut [[V; K]],
     products: &[V; K],
     t: &mut [[V; K]; K],
-) -> [V; K] {
+) -> (V, [V; K]) {
     let zero = V::lift(0.0);
-    let (tau, scale, beta) = reflector(row[0], products[J]);
-    row[0] = beta;
+    let (tau, head, diagonal) = reflector(row[0], products[J]);
+    row[0] = diagonal;
     let mut sums = [zero; K];
     for c in J + 1..K {
-        sums[c] = tau * scale.mul_add(products[c], row[c - J]);
-        row[c - J] = row[c - J] - sums[c];
+        sums[c] = tau * head.mul_add(row[c - J], products[c]);
+        row[c - J] = head.neg_mul_add(sums[c], row[c - J]);
     }
-    extend::<V, K, J>(t, tau, scale, products);
+    extend::<V, K, J>(t, tau, products);
     let (mut even, mut odd) = ([zero; K], [zero; K]);
     let (pairs, last) = x.as_chunks_mut::<2>();
     for [first, second] in pairs {
-        subtract::<V, K, J>(first, scale, &sums);
-        subtract::<V, K, J>(second, scale, &sums);
+        subtract::<V, K, J>(first, &sums);
+        subtract::<V, K, J>(second, &sums);
         multiply::<V, K>(first, J + 1, &mut even);
         multiply::<V, K>(second, J + 1, &mut odd);
     }
     for row in last {
-        subtract::<V, K, J>(row, scale, &sums);
+        subtract::<V, K, J>(row, &sums);
         multiply::<V, K>(row, J + 1, &mut even);
     }
-    total(even, odd)
+    (head, total(even, odd))
 }
 
-/// One row of a panel: scales entry J to that of the reflector's vector, and subtracts the
-/// vector's multiples from those after it.
+/// One row of a panel: subtracts the multiples of entry J from those after it.
 #[inline(always)]
-fn subtract<V: Lanes, const K: usize, const J: usize>(row: &mut [V; K], scale: V, sums: &[V; K]) {
-    row[J] = row[J] * scale;
+fn subtract<V: Lanes, const K: usize, const J: usize>(row: &mut [V; K], sums: &[V; K]) {
     for c in J + 1..K {
         row[c] = row[J].neg_mul_add(sums[c], row[c]);
     }
@@ -158,37 +161,44 @@ fn total<V: Lanes, const K: usize>(mut even: [V; K], odd: [V; K]) -> [V; K] {
 fn extend<V: Lanes, const K: usize, const J: usize>(
     t: &mut [[V; K]; K],
     tau: V,
-    scale: V,
     products: &[V; K],
 ) {
     for i in 0..J {
         let mut sum = V::lift(0.0);
         for l in i..J {
-            sum = t[i][l].neg_mul_add(tau * (scale * products[l]), sum);
+            sum = t[i][l].neg_mul_add(products[l], sum);
         }
-        t[i][J] = sum;
+        t[i][J] = tau * sum;
     }
     t[J][J] = tau;
 }
 
-/// tau, the factor that makes the vector's first entry 1, and the new diagonal entry, of
-/// the reflector that annihilates entries of squared length `sigma` below `alpha`. No
-/// reflection where there is nothing to annihilate.
+/// tau, the head and the new diagonal entry of the reflector that annihilates entries x of
+/// squared length `sigma` below `alpha`: `I - tau (head; x) (head; x)'`. No reflection where
+/// there is nothing to annihilate.
 #[inline(always)]
 fn reflector<V: Lanes>(alpha: V, sigma: V) -> (V, V, V) {
-    let norm = alpha.mul_add(alpha, sigma).sqrt();
-    let beta = -norm.with_sign_of(alpha);
-    let head = alpha - beta;
-    let scale = V::lift(1.0).divide(head).where_nonzero(sigma);
-    let tau = (-head.divide(beta)).where_nonzero(sigma);
-    let kept = alpha - alpha.where_nonzero(sigma);
-    (tau, scale, beta.where_nonzero(sigma) + kept)
+    // Squares below this, lost beside it, would make tau infinite.
+    let tiny = V::lift(TINY);
+    let some = (sigma + tiny) - tiny;
+    let diagonal = alpha.mul_add(alpha, sigma).sqrt().with_sign_of(alpha);
+    // alpha - diagonal, without the difference.
+    let sum = alpha + diagonal;
+    let head = (-sigma).divide(sum).where_nonzero(some);
+    // 2 / (sigma + head^2), each factor within the range of floats.
+    let tau = (sum.divide(diagonal) * V::lift(1.0).divide(sigma)).where_nonzero(some);
+    let kept = alpha - alpha.where_nonzero(some);
+    (tau, head, diagonal.where_nonzero(some) + kept)
 }
+
+/// The square of 1e-144.
+const TINY: f64 = 1e-288;
 
 /// The reflectors of a panel of K columns, and where the rows of R that they stand on have
 /// the first column of a target.
 struct Block<'a, V, const K: usize> {
     t: &'a [[V; K]; K],
+    heads: &'a [V; K],
     v: &'a [[V; K]],
     rows: [usize; K],
 }
@@ -245,13 +255,13 @@ impl<V: Lanes, const K: usize> Block<'_, V, K> {
     }
 
     /// From the products of the vectors with the tile's columns to the vectors' multiples
-    /// that are subtracted, which R is the first to see: the leading ones meet its rows.
+    /// that are subtracted, which R is the first to see: the heads meet its rows.
     #[inline(always)]
     fn turn<const C: usize>(&self, from: usize, r: &mut [V], sums: &mut [[V; C]; K]) {
         for k in 0..K {
             let row = &r[self.rows[k] + from..][..C];
             for c in 0..C {
-                sums[k][c] = sums[k][c] + row[c];
+                sums[k][c] = self.heads[k].mul_add(row[c], sums[k][c]);
             }
         }
         for k in (0..K).rev() {
@@ -264,7 +274,7 @@ impl<V: Lanes, const K: usize> Block<'_, V, K> {
                     }
                 }
                 sums[k][c] = z;
-                row[c] = row[c] - z;
+                row[c] = self.heads[k].neg_mul_add(z, row[c]);
             }
         }
     }

@@ -51,6 +51,8 @@ pub(crate) struct Plan {
     pub slots: Vec<Place>,
     /// Whether there are places that no number goes to: zeros.
     pub holes: bool,
+    /// Whether there is friction.
+    pub rubs: bool,
     /// The places of viscous, Coulomb and offset of each joint.
     pub friction: Vec<[Place; 3]>,
     /// The place of each joint's torque.
@@ -80,6 +82,7 @@ impl Plan {
             }
         }
         let kinds = [friction.viscous, friction.coulomb, friction.offset];
+        let rubs = kinds.contains(&true);
         let mut first_of_kind = [None; 3];
         for (first, wanted) in first_of_kind.iter_mut().zip(kinds) {
             if wanted {
@@ -105,6 +108,7 @@ impl Plan {
                 .map(|&(row, column)| places.of(ids[column], row))
                 .collect(),
             holes: layout.is_full(),
+            rubs,
             friction: friction.collect(),
             right: (0..n).map(|j| places.of(Some(right), j)).collect(),
             rows: places.rows(),
