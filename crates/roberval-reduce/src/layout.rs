@@ -55,8 +55,8 @@ impl Panel {
 
     /// What an earlier panel does to this one.
     fn target_of(&self, earlier: &Self) -> Option<Target> {
-        let inside = self.begin <= earlier.begin
-            && earlier.begin + earlier.rows <= self.begin + self.rows;
+        let inside =
+            self.begin <= earlier.begin && earlier.begin + earlier.rows <= self.begin + self.rows;
         inside.then(|| Target {
             first: self.first,
             count: self.count,

@@ -190,12 +190,7 @@ fn fill<V: Lanes>(plan: &Plan, samples: &Measured<'_>, at: usize, group: usize, 
 /// As many columns as there are lanes, from the one `first` on, of a table of n columns, a
 /// row a lane, from row `at` on. Columns that are not there are anything.
 #[inline(always)]
-fn transpose<V: Lanes>(
-    table: &[f64],
-    n: usize,
-    [at, first]: [usize; 2],
-    to: &mut [V; MAX_LANES],
-) {
+fn transpose<V: Lanes>(table: &[f64], n: usize, [at, first]: [usize; 2], to: &mut [V; MAX_LANES]) {
     let from = &table[at * n + first..];
     if from.len() >= (V::COUNT - 1) * n + V::COUNT {
         return V::load_transposed(from, n, to);
