@@ -78,6 +78,20 @@ def test_ctrl_c_ends_the_command(tmp_path: Path) -> None:
     assert process.returncode == -signal.SIGINT
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT to send")
+def test_ctrl_c_ends_reduce_and_leaves_no_file(tmp_path: Path) -> None:
+    fifo, output = tmp_path / "samples.csv", tmp_path / "R.npz"
+    os.mkfifo(fifo)
+    command = [sys.executable, "-m", "roberval", "reduce", "puma560", str(fifo), "-o", str(output)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        writer = os.open(fifo, os.O_WRONLY)  # returns once the command reads
+        process.send_signal(signal.SIGINT)
+        assert process.communicate(timeout=60) == (b"", b"roberval: interrupted\n")
+        os.close(writer)
+    assert process.returncode == -signal.SIGINT
+    assert not output.exists()
+
+
 def test_the_help_of_reduce_lists_what_it_takes() -> None:
     told = set(re.findall(r"--[a-z]+", run("reduce", "--help").stdout.partition("Options:")[2]))
     taken = set(re.findall(r"--[a-z]+", run("reduce").stderr))

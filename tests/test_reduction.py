@@ -284,6 +284,50 @@ def test_the_command_says_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFi
     assert not out.exists()
 
 
+def test_parquet_columns_may_be_of_any_kind_of_number(
+    puma: rv.Robot, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    import pyarrow
+
+    samples = [np.round(4 * array) for array in data(6, 20_000)]
+    expected = rv.ObservationQR(puma)
+    expected.update(*samples)
+    names = [f"{array}_{j}" for array in reducing.ARRAYS for j in range(1, 7)]
+    columns = [pyarrow.array(column) for array in samples for column in array.T]
+    kinds = [pyarrow.int8(), pyarrow.float32(), pyarrow.float64(), pyarrow.int64()]
+    columns = [column.cast(kinds[k % 4]) for k, column in enumerate(columns)]
+    path, out = tmp_path / "samples.parquet", tmp_path / "R.npz"
+
+    def reduced() -> int:
+        parquet.write_table(pyarrow.table(columns, names), path, row_group_size=7000)
+        return reducing.command(["puma560", str(path), "-o", str(out), "--quiet"])
+
+    assert reduced() == 0
+    with np.load(out) as written:
+        assert np.array_equal(written["R"], expected.r_factor)
+    holes = columns[3].to_pylist()
+    holes[12_345] = None
+    columns[3] = pyarrow.array(holes)
+    assert reduced() == 2
+    assert "q[12345, 3] is NaN" in capsys.readouterr().err
+    columns[3] = pyarrow.array(["much"] * 20_000)
+    assert reduced() == 2
+    assert "column q_4 has string, not numbers" in capsys.readouterr().err
+
+
+def test_parquet_is_read_without_pandas_which_forgets_ctrl_c(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    path = write(tmp_path, data(6, 10))[2]
+    script = f"""
+import sys
+from roberval import reducing
+assert reducing.command(["puma560", {str(path)!r}, "-o", {str(tmp_path / "R.npz")!r}]) == 0
+assert "pandas" not in sys.modules
+"""
+    subprocess.run([sys.executable, "-c", script], check=True)
+
+
 def test_dask_gives_the_same_bits_for_any_number_of_workers(puma: rv.Robot, tmp_path: Path) -> None:
     frames = pytest.importorskip("dask.dataframe")
     distributed = pytest.importorskip("distributed")

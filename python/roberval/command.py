@@ -23,7 +23,12 @@ def main() -> int:
     if sys.argv[1:2] == ["reduce"] and not helps:
         from . import reducing
 
-        return reducing.command(sys.argv[2:])
+        code = reducing.command(sys.argv[2:])
+        if code == reducing.INTERRUPTED and sys.platform != "win32":
+            # The end of any command on Ctrl-C; the interpreter and pyarrow take 100 ms to leave.
+            signal.signal(signal.SIGINT, signal.SIG_DFL)
+            signal.raise_signal(signal.SIGINT)
+        return code
     # The core does the work outside Python, where Python's handlers never run: Ctrl-C and
     # a closed pipe end the process as they end any other command.
     signal.signal(signal.SIGINT, signal.SIG_DFL)

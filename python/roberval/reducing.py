@@ -12,6 +12,7 @@ import sys
 import time
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -36,6 +37,9 @@ LINES = 1 << 13
 
 SAVING = 0.05
 """The part of the time that may go into checkpoints."""
+
+INTERRUPTED = 130
+"""The exit code after Ctrl-C, as a shell tells it."""
 
 Piece = tuple[Array, Array, Array, Array]
 
@@ -164,12 +168,33 @@ def from_parquet(path: Path, robot: Robot) -> Iterator[tuple[Piece, float]]:
         done, count = 0, max(file.metadata.num_rows, 1)
         parts: list[Piece] = []
         for batch in file.iter_batches(batch_size=LINES, columns=every, use_threads=False):
-            parts.append(piece_of(batch.column, len(batch), wanted))
+            column = partial(arrow_floats, path, batch)
+            parts.append(piece_of(column, len(batch), wanted))
             done += len(batch)
             if len(parts) * LINES >= PIECE or done >= count:
                 q, qd, qdd, tau = map(np.concatenate, zip(*parts, strict=True))
                 yield (q, qd, qdd, tau), done / count
                 parts = []
+
+
+def arrow_floats(path: Path, batch: Any, title: str) -> Array:
+    """Return a column of an Arrow table, with NaN where there is nothing.
+
+    From its memory: pyarrow's own conversion imports pandas, which takes half a second in which
+    Ctrl-C is forgotten.
+    """
+    import pyarrow
+
+    column = batch.column(title)
+    try:
+        if column.type != pyarrow.float64():
+            column = column.cast(pyarrow.float64(), safe=False)
+    except pyarrow.ArrowException:
+        raise ArrayError(f"{path}: column {title} has {column.type}, not numbers") from None
+    if column.null_count:
+        column = column.fill_null(float("nan"))
+    memory = column.buffers()[1]
+    return np.frombuffer(memory, np.float64, len(column), 8 * column.offset)
 
 
 def piece_of(column: Callable[[str], Any], count: int, wanted: list[list[str]]) -> Piece:
@@ -265,8 +290,8 @@ def command(arguments: Sequence[str]) -> int:
         print(f"roberval: error: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("roberval: interrupted", file=sys.stderr)
-        return 130
+        print("roberval: interrupted", file=sys.stderr, flush=True)
+        return INTERRUPTED
     return 0
 
 

@@ -20,9 +20,6 @@ use crate::robot::Robot;
 /// How often a long update looks at Ctrl-C.
 const SIGNALS: Duration = Duration::from_millis(40);
 
-/// Numbers of an update that are worth a thread to wait on: some ms.
-const LONG: usize = 1 << 15;
-
 /// An accumulator. Calls from several threads wait for each other.
 #[pyclass(frozen, module = "roberval._core")]
 pub struct Accumulator(Mutex<Reduction>);
@@ -105,7 +102,10 @@ impl Accumulator {
         let joints = joint_weights.map(|w| w.to_vec()).transpose()?;
         let arrays = [(&q, nq), (&qd, n), (&qdd, n), (&tau, n)];
         // More than one wave: an error in a later one undoes the earlier ones.
-        let wave = py.detach(|| self.lock().wave());
+        let (wave, brief) = py.detach(|| {
+            let inner = self.lock();
+            (inner.wave(), inner.brief())
+        });
         let before = (count > wave).then(|| py.detach(|| self.lock().clone()));
         let mut copies: [Vec<f64>; 5] = Default::default();
         for first in (0..count.max(1)).step_by(wave) {
@@ -129,7 +129,7 @@ impl Accumulator {
                     _ => Weights::Equal,
                 },
             };
-            let done = if q.len() < LONG {
+            let done = if last - first <= brief {
                 detached(py, || self.lock().update(&samples))
             } else {
                 self.long_update(py, &samples)

@@ -2,8 +2,13 @@
 //!
 //! Every lane is a problem of its own: lane l of the tile is annihilated against lane l
 //! of R. Columns come in panels of at most four with the same rows; a panel is applied to
-//! the columns after it in one go (compact WY form: `I - V T V'`), four columns at a time
-//! so that sixteen sums stay in registers.
+//! each panel after it in one go (compact WY form: `I - V T V'`), so that up to sixteen
+//! sums stay in registers.
+//!
+//! A reflector's vector is the tile's column as it is, with an entry of its own (its head)
+//! on R's row. The head has the sign that leaves R's row nearly as it was: a tile adds
+//! little to what thousands before it gave. With the usual sign R would change its sign
+//! with each tile, and each time be rounded by what it holds instead of by what is added.
 
 use roberval_scalar::Lanes;
 
@@ -34,186 +39,243 @@ fn eliminate<V: Lanes, const K: usize>(
     r: &mut [V],
     tile: &mut [V],
 ) {
-    let rows = panel.rows;
-    let first = segment.columns[panel.first].offset;
-    let (tile, later) = tile[first..].split_at_mut(K * rows);
-    let t = factor::<V, K>(segment, panel, r, tile);
-    let v = &*tile;
-    let start = first + K * rows;
-    let mut column = panel.first + K;
-    let end = segment.columns.len();
-    while column < end {
-        let wide = if V::REGISTERS >= 32 { 4 } else { 2 };
-        let fits = column + wide <= end
-            && (column..column + wide).all(|column| panel.touches(segment, column));
-        if fits && V::REGISTERS >= 32 {
-            apply::<V, K, 4>(segment, panel, column, &t, v, r, later, start);
-            column += wide;
-        } else if fits {
-            apply::<V, K, 2>(segment, panel, column, &t, v, r, later, start);
-            column += wide;
-        } else {
-            if panel.touches(segment, column) {
-                apply::<V, K, 1>(segment, panel, column, &t, v, r, later, start);
-            }
-            column += 1;
-        }
+    let (before, later) = tile.split_at_mut(panel.end());
+    let (v, _) = before[panel.offset..].as_chunks_mut::<K>();
+    let (t, heads) = factor(segment, panel, r, v);
+    let mut rows = [0; K];
+    for (k, row) in rows.iter_mut().enumerate() {
+        // Where column 0 would be in this row of R.
+        *row = segment.row(panel.first + k).wrapping_sub(panel.first + k);
+    }
+    for target in &panel.targets {
+        let x = &mut later[target.offset - panel.end()..][..panel.rows * target.count];
+        let block = Block {
+            t: &t,
+            heads: &heads,
+            v,
+            rows: rows.map(|row| row.wrapping_add(target.first)),
+        };
+        block.apply_to(target.count, r, x);
     }
 }
 
-/// The reflectors of a panel: leaves their vectors in the tile (their leading ones, which
-/// stand on R's rows, are implied) and returns T.
+/// The reflectors of a panel: leaves their vectors in the tile and returns T and the heads.
 #[inline(always)]
 fn factor<V: Lanes, const K: usize>(
     segment: &Segment,
     panel: &Panel,
     r: &mut [V],
-    tile: &mut [V],
-) -> [[V; K]; K] {
-    let (rows, zero) = (panel.rows, V::lift(0.0));
-    let mut t = [[zero; K]; K];
+    x: &mut [[V; K]],
+) -> ([[V; K]; K], [V; K]) {
+    let (mut t, mut heads) = ([[V::lift(0.0); K]; K], [V::lift(0.0); K]);
+    let mut products = products(x);
     for j in 0..K {
-        let (before, from_here) = tile.split_at_mut(j * rows);
-        let (x, after) = from_here.split_at_mut(rows);
-        let at = segment.row(panel.first + j);
-        let (tau, scale, beta) = reflector(r[at], square(x));
-        r[at] = beta;
-        for x in x.iter_mut() {
-            *x = *x * scale;
-        }
-        for (c, y) in after.chunks_exact_mut(rows).take(K - 1 - j).enumerate() {
-            let entry = &mut r[at + 1 + c];
-            let sum = tau * (*entry + dot(x, y));
-            *entry = *entry - sum;
-            for (y, x) in y.iter_mut().zip(&*x) {
-                *y = x.neg_mul_add(sum, *y);
-            }
-        }
-        // T(0..j, j) = -tau T(0..j, 0..j) V(0..j)' v
-        let mut products = [zero; K];
-        for (product, v) in products.iter_mut().zip(before.chunks_exact(rows)) {
-            *product = -(tau * dot(v, x));
-        }
-        for i in 0..j {
-            let mut sum = zero;
-            for l in i..j {
-                sum = t[i][l].mul_add(products[l], sum);
-            }
-            t[i][j] = sum;
-        }
-        t[j][j] = tau;
+        let row = &mut r[segment.row(panel.first + j)..][..K - j];
+        (heads[j], products) = match j {
+            0 => reflect::<V, K, 0>(row, x, &products, &mut t),
+            1 => reflect::<V, K, 1>(row, x, &products, &mut t),
+            2 => reflect::<V, K, 2>(row, x, &products, &mut t),
+            _ => reflect::<V, K, 3>(row, x, &products, &mut t),
+        };
     }
-    t
+    (t, heads)
 }
 
-/// tau, the factor that makes the vector's first entry 1, and the new diagonal entry, of
-/// the reflector that annihilates entries of squared length `sigma` below `alpha`. No
-/// reflection where there is nothing to annihilate.
+/// Reflects column J of a panel, `products` being those of the column with all of them and
+/// `row` that of R, from the diagonal to the panel's end. Goes over the tile once and
+/// returns the reflector's head and the products of the next column.
+#[inline(always)]
+fn reflect<V: Lanes, const K: usize, const J: usize>(
+    row: &mut [V],
+    x: &mut [[V; K]],
+    products: &[V; K],
+    t: &mut [[V; K]; K],
+) -> (V, [V; K]) {
+    let zero = V::lift(0.0);
+    let (tau, head, diagonal) = reflector(row[0], products[J]);
+    row[0] = diagonal;
+    let mut sums = [zero; K];
+    for c in J + 1..K {
+        sums[c] = tau * head.mul_add(row[c - J], products[c]);
+        row[c - J] = head.neg_mul_add(sums[c], row[c - J]);
+    }
+    extend::<V, K, J>(t, tau, products);
+    let (mut even, mut odd) = ([zero; K], [zero; K]);
+    let (pairs, last) = x.as_chunks_mut::<2>();
+    for [first, second] in pairs {
+        subtract::<V, K, J>(first, &sums);
+        subtract::<V, K, J>(second, &sums);
+        multiply::<V, K>(first, J + 1, &mut even);
+        multiply::<V, K>(second, J + 1, &mut odd);
+    }
+    for row in last {
+        subtract::<V, K, J>(row, &sums);
+        multiply::<V, K>(row, J + 1, &mut even);
+    }
+    (head, total(even, odd))
+}
+
+/// One row of a panel: subtracts the multiples of entry J from those after it.
+#[inline(always)]
+fn subtract<V: Lanes, const K: usize, const J: usize>(row: &mut [V; K], sums: &[V; K]) {
+    for c in J + 1..K {
+        row[c] = row[J].neg_mul_add(sums[c], row[c]);
+    }
+}
+
+/// Adds one row's products of column j with all columns. Nothing where there is no such column.
+#[inline(always)]
+fn multiply<V: Lanes, const K: usize>(row: &[V; K], j: usize, sums: &mut [V; K]) {
+    if j < K {
+        for c in 0..K {
+            sums[c] = row[j].mul_add(row[c], sums[c]);
+        }
+    }
+}
+
+/// The products of column 0 with all columns.
+#[inline(always)]
+fn products<V: Lanes, const K: usize>(x: &[[V; K]]) -> [V; K] {
+    let (mut even, mut odd) = ([V::lift(0.0); K], [V::lift(0.0); K]);
+    let (pairs, last) = x.as_chunks::<2>();
+    for [first, second] in pairs {
+        multiply(first, 0, &mut even);
+        multiply(second, 0, &mut odd);
+    }
+    for row in last {
+        multiply(row, 0, &mut even);
+    }
+    total(even, odd)
+}
+
+#[inline(always)]
+fn total<V: Lanes, const K: usize>(mut even: [V; K], odd: [V; K]) -> [V; K] {
+    for c in 0..K {
+        even[c] = even[c] + odd[c];
+    }
+    even
+}
+
+/// Column J of T: `T(0..J, J) = -tau T(0..J, 0..J) V(0..J)' v`, and tau on the diagonal.
+#[inline(always)]
+fn extend<V: Lanes, const K: usize, const J: usize>(
+    t: &mut [[V; K]; K],
+    tau: V,
+    products: &[V; K],
+) {
+    for i in 0..J {
+        let mut sum = V::lift(0.0);
+        for l in i..J {
+            sum = t[i][l].neg_mul_add(products[l], sum);
+        }
+        t[i][J] = tau * sum;
+    }
+    t[J][J] = tau;
+}
+
+/// tau, the head and the new diagonal entry of the reflector that annihilates entries x of
+/// squared length `sigma` below `alpha`: `I - tau (head; x) (head; x)'`. No reflection where
+/// there is nothing to annihilate.
 #[inline(always)]
 fn reflector<V: Lanes>(alpha: V, sigma: V) -> (V, V, V) {
-    let norm = alpha.mul_add(alpha, sigma).sqrt();
-    let beta = -norm.with_sign_of(alpha);
-    let head = alpha - beta;
-    let scale = V::lift(1.0).divide(head).where_nonzero(sigma);
-    let tau = (-head.divide(beta)).where_nonzero(sigma);
-    let kept = alpha - alpha.where_nonzero(sigma);
-    (tau, scale, beta.where_nonzero(sigma) + kept)
+    // Squares below this, lost beside it, would make tau infinite.
+    let tiny = V::lift(TINY);
+    let some = (sigma + tiny) - tiny;
+    let diagonal = alpha.mul_add(alpha, sigma).sqrt().with_sign_of(alpha);
+    // alpha - diagonal, without the difference.
+    let sum = alpha + diagonal;
+    let head = (-sigma).divide(sum).where_nonzero(some);
+    // 2 / (sigma + head^2), each factor within the range of floats.
+    let tau = (sum.divide(diagonal) * V::lift(1.0).divide(sigma)).where_nonzero(some);
+    let kept = alpha - alpha.where_nonzero(some);
+    (tau, head, diagonal.where_nonzero(some) + kept)
 }
 
-/// Applies a panel to C columns from `column` on: `X - V T' (V' X)`.
-#[allow(clippy::too_many_arguments)] // all are slices of the same three arrays
-#[inline(always)]
-fn apply<V: Lanes, const K: usize, const C: usize>(
-    segment: &Segment,
-    panel: &Panel,
-    column: usize,
-    t: &[[V; K]; K],
-    v: &[V],
-    r: &mut [V],
-    later: &mut [V],
-    start: usize,
-) {
-    let (rows, zero) = (panel.rows, V::lift(0.0));
-    let mut places = [const { 0..0 }; C];
-    for (c, place) in places.iter_mut().enumerate() {
-        let shape = &segment.columns[column + c];
-        let begin = shape.offset - start + panel.begin - shape.begin;
-        *place = begin..begin + rows;
-    }
-    let Ok(x) = later.get_disjoint_mut(places) else {
-        return; // columns do not overlap
-    };
-    let mut v_of: [&[V]; K] = [&[]; K];
-    for (k, slot) in v_of.iter_mut().enumerate() {
-        *slot = &v[k * rows..][..rows];
-    }
-    let mut sums = [[zero; C]; K];
-    for i in 0..rows {
-        let mut entries = [zero; C];
-        for c in 0..C {
-            entries[c] = x[c][i];
+/// The square of 1e-144.
+const TINY: f64 = 1e-288;
+
+/// The reflectors of a panel of K columns, and where the rows of R that they stand on have
+/// the first column of a target.
+struct Block<'a, V, const K: usize> {
+    t: &'a [[V; K]; K],
+    heads: &'a [V; K],
+    v: &'a [[V; K]],
+    rows: [usize; K],
+}
+
+impl<V: Lanes, const K: usize> Block<'_, V, K> {
+    /// Applies the reflectors to a target's columns in the tile and in R.
+    #[inline(always)]
+    fn apply_to(&self, columns: usize, r: &mut [V], x: &mut [V]) {
+        // As many columns at a time as there are registers for K sums each.
+        let all = V::REGISTERS >= 32;
+        match columns {
+            1 => self.apply::<1, 1>(0, r, x),
+            2 => self.apply::<2, 2>(0, r, x),
+            3 if all => self.apply::<3, 3>(0, r, x),
+            3 => {
+                self.apply::<3, 2>(0, r, x);
+                self.apply::<3, 1>(2, r, x);
+            }
+            _ if all => self.apply::<4, 4>(0, r, x),
+            _ => {
+                self.apply::<4, 2>(0, r, x);
+                self.apply::<4, 2>(2, r, x);
+            }
         }
-        for k in 0..K {
-            let v = v_of[k][i];
+    }
+
+    /// Applies them to C columns, from the one `from` on, of the W in a row:
+    /// `X - V T' (V' X)`.
+    #[inline(always)]
+    fn apply<const W: usize, const C: usize>(&self, from: usize, r: &mut [V], x: &mut [V]) {
+        let (x, _) = x.as_chunks_mut::<W>();
+        let mut sums = [[V::lift(0.0); C]; K];
+        for (v, x) in self.v.iter().zip(&*x) {
+            for k in 0..K {
+                for c in 0..C {
+                    sums[k][c] = v[k].mul_add(x[from + c], sums[k][c]);
+                }
+            }
+        }
+        self.turn(from, r, &mut sums);
+        for (v, x) in self.v.iter().zip(x) {
+            // All is read before anything is written: the compiler cannot know that they differ.
+            let mut entries = [V::lift(0.0); C];
             for c in 0..C {
-                sums[k][c] = v.mul_add(entries[c], sums[k][c]);
+                entries[c] = x[from + c];
+                for k in 0..K {
+                    entries[c] = v[k].neg_mul_add(sums[k][c], entries[c]);
+                }
             }
-        }
-    }
-    // The reflectors' leading ones meet R's rows.
-    let mut at = [0; K];
-    for k in 0..K {
-        let row = panel.first + k;
-        at[k] = segment.row(row) + column - row;
-        for c in 0..C {
-            sums[k][c] = sums[k][c] + r[at[k] + c];
-        }
-    }
-    let mut z = [[zero; C]; K];
-    for k in 0..K {
-        for c in 0..C {
-            for l in 0..=k {
-                z[k][c] = t[l][k].mul_add(sums[l][c], z[k][c]);
-            }
-            r[at[k] + c] = r[at[k] + c] - z[k][c];
-        }
-    }
-    for i in 0..rows {
-        // All is read before anything is written: the compiler cannot know that they differ.
-        let (mut v, mut entries) = ([zero; K], [zero; C]);
-        for k in 0..K {
-            v[k] = v_of[k][i];
-        }
-        for c in 0..C {
-            entries[c] = x[c][i];
-        }
-        for k in 0..K {
             for c in 0..C {
-                entries[c] = v[k].neg_mul_add(z[k][c], entries[c]);
+                x[from + c] = entries[c];
             }
         }
-        for c in 0..C {
-            x[c][i] = entries[c];
+    }
+
+    /// From the products of the vectors with the tile's columns to the vectors' multiples
+    /// that are subtracted, which R is the first to see: the heads meet its rows.
+    #[inline(always)]
+    fn turn<const C: usize>(&self, from: usize, r: &mut [V], sums: &mut [[V; C]; K]) {
+        for k in 0..K {
+            let row = &r[self.rows[k] + from..][..C];
+            for c in 0..C {
+                sums[k][c] = self.heads[k].mul_add(row[c], sums[k][c]);
+            }
+        }
+        for k in (0..K).rev() {
+            let row = &mut r[self.rows[k] + from..][..C];
+            for c in 0..C {
+                let mut z = self.t[k][k] * sums[k][c];
+                for l in 0..K {
+                    if l < k {
+                        z = self.t[l][k].mul_add(sums[l][c], z);
+                    }
+                }
+                sums[k][c] = z;
+                row[c] = self.heads[k].neg_mul_add(z, row[c]);
+            }
         }
     }
-}
-
-/// x' y in two interleaved sums.
-#[inline(always)]
-fn dot<V: Lanes>(x: &[V], y: &[V]) -> V {
-    let (mut even, mut odd) = (V::lift(0.0), V::lift(0.0));
-    let (mut x, mut y) = (x.chunks_exact(2), y.chunks_exact(2));
-    for (x, y) in x.by_ref().zip(y.by_ref()) {
-        even = x[0].mul_add(y[0], even);
-        odd = x[1].mul_add(y[1], odd);
-    }
-    for (x, y) in x.remainder().iter().zip(y.remainder()) {
-        even = x.mul_add(*y, even);
-    }
-    even + odd
-}
-
-#[inline(always)]
-fn square<V: Lanes>(x: &[V]) -> V {
-    dot(x, x)
 }

@@ -10,6 +10,9 @@ use crate::stream::Reduction;
 /// What a checkpoint begins with; the last character is the form's version.
 const MAGIC: &[u8; 8] = b"RBVLQR\x002";
 
+/// What finished tiles are counted in: tiles have held more samples than they once did.
+const UNIT: usize = 64;
+
 /// A checksum's bytes.
 const CHECKSUM: usize = 32;
 
@@ -44,7 +47,7 @@ impl Reduction {
             out.integer(column as u64);
         }
         out.integer(self.samples);
-        out.integer(self.tiles as u64);
+        out.integer((self.tiles * self.plan.samples() / UNIT) as u64);
         out.numbers(&self.block);
         out.integer(self.levels.len() as u64);
         for level in &self.levels {
@@ -95,7 +98,7 @@ impl Reduction {
         let mut new =
             Self::new(regressor, &columns, friction).map_err(|_| CheckpointError::Model)?;
         new.samples = body.integer()?;
-        new.tiles = body.integer()? as usize;
+        new.tiles = body.integer()? as usize * UNIT / new.plan.samples();
         new.block = body.numbers()?;
         new.levels = (0..body.integer()?)
             .map(|_| body.numbers())

@@ -218,7 +218,8 @@ impl Task for Gather<'_> {
         for (segment, r) in plan.layout.segments.iter().zip(&merged) {
             for row in 0..segment.columns.len() {
                 for (shape, x) in segment.columns[row..].iter().zip(&r[segment.row(row)..]) {
-                    tile[shape.id * rows + start + row] = *x;
+                    let to = &all.columns[shape.id];
+                    tile[to.offset + (start + row) * to.stride] = *x;
                 }
             }
             start += segment.columns.len();

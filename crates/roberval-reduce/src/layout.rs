@@ -17,26 +17,51 @@ pub(crate) struct Shape {
     /// Its first row in the segment, and how many rows it has.
     pub begin: usize,
     pub rows: usize,
-    /// Where its rows are in the tile.
+    /// Where its first row is in the tile, and how far its rows are apart.
     pub offset: usize,
+    pub stride: usize,
 }
 
-/// Consecutive columns with the same rows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Consecutive columns with the same rows. They lie in the tile row by row: a row of the
+/// panel is `count` numbers side by side.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Panel {
     /// The first one's index in the segment.
     pub first: usize,
     pub count: usize,
     pub begin: usize,
     pub rows: usize,
+    /// Where it is in the tile.
+    pub offset: usize,
+    /// The later panels that have the panel's rows (the others have none of them).
+    pub targets: Vec<Target>,
+}
+
+/// What the reflectors of a panel are applied to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Target {
+    /// The panel's first column in the segment, and how many it has.
+    pub first: usize,
+    pub count: usize,
+    /// Where the rows in common are in the tile.
+    pub offset: usize,
 }
 
 impl Panel {
-    /// Whether a later column has the panel's rows (it has all of them or none).
-    #[inline(always)]
-    pub(crate) fn touches(&self, segment: &Segment, column: usize) -> bool {
-        let shape = &segment.columns[column];
-        shape.begin <= self.begin && self.begin + self.rows <= shape.begin + shape.rows
+    /// Where the panel ends in the tile.
+    pub(crate) fn end(&self) -> usize {
+        self.offset + self.rows * self.count
+    }
+
+    /// What an earlier panel does to this one.
+    fn target_of(&self, earlier: &Self) -> Option<Target> {
+        let inside =
+            self.begin <= earlier.begin && earlier.begin + earlier.rows <= self.begin + self.rows;
+        inside.then(|| Target {
+            first: self.first,
+            count: self.count,
+            offset: self.offset + (earlier.begin - self.begin) * self.count,
+        })
     }
 }
 
@@ -52,37 +77,61 @@ impl Segment {
     /// A segment of columns (id, first row, rows). Columns with the same rows must follow
     /// each other.
     pub(crate) fn new(columns: impl IntoIterator<Item = (usize, usize, usize)>) -> Self {
+        let columns: Vec<(usize, usize, usize)> = columns.into_iter().collect();
         let mut segment = Self {
-            columns: Vec::new(),
-            panels: Vec::<Panel>::new(),
+            columns: Vec::with_capacity(columns.len()),
+            panels: Vec::new(),
         };
-        let mut offset = 0;
-        for (index, (id, begin, rows)) in columns.into_iter().enumerate() {
-            segment.columns.push(Shape {
+        for alike in columns.chunk_by(|a, b| (a.1, a.2) == (b.1, b.2)) {
+            // As few panels as there can be, and as equal: 5 columns are 3 and 2.
+            let panels = alike.len().div_ceil(PANEL);
+            let mut rest = alike;
+            for panel in 0..panels {
+                let (of_panel, others) = rest.split_at(rest.len().div_ceil(panels - panel));
+                segment.push(of_panel);
+                rest = others;
+            }
+        }
+        segment.aim();
+        segment
+    }
+
+    /// Appends a panel of columns with the same rows.
+    fn push(&mut self, columns: &[(usize, usize, usize)]) {
+        let (_, begin, rows) = columns[0];
+        let (first, offset, count) = (self.columns.len(), self.tile(), columns.len());
+        for (k, &(id, ..)) in columns.iter().enumerate() {
+            self.columns.push(Shape {
                 id,
                 begin,
                 rows,
-                offset,
+                offset: offset + k,
+                stride: count,
             });
-            offset += rows;
-            match segment.panels.last_mut() {
-                Some(last) if (last.begin, last.rows) == (begin, rows) && last.count < PANEL => {
-                    last.count += 1;
-                }
-                _ => segment.panels.push(Panel {
-                    first: index,
-                    count: 1,
-                    begin,
-                    rows,
-                }),
-            }
         }
-        segment
+        self.panels.push(Panel {
+            first,
+            count,
+            begin,
+            rows,
+            offset,
+            targets: Vec::new(),
+        });
+    }
+
+    /// Finds each panel's targets.
+    fn aim(&mut self) {
+        for p in 0..self.panels.len() {
+            let (earlier, later) = self.panels.split_at_mut(p + 1);
+            let panel = &mut earlier[p];
+            let targets = later.iter().filter_map(|other| other.target_of(panel));
+            panel.targets = targets.collect();
+        }
     }
 
     /// Numbers of a tile.
     pub(crate) fn tile(&self) -> usize {
-        self.columns.last().map_or(0, |c| c.offset + c.rows)
+        self.panels.last().map_or(0, Panel::end)
     }
 
     /// Where row k of the packed triangular factor begins, with its diagonal.

@@ -7,7 +7,7 @@ use roberval_scalar::Width;
 use crate::layout::{Layout, Segment};
 
 /// Lane vectors of a row in a tile: enough to pay for reading R.
-pub(crate) const GROUPS: usize = 8;
+pub(crate) const GROUPS: usize = 16;
 
 /// Independent factors that rows are dealt out to in turn, one a lane of the widest
 /// processor. Narrower ones take some after the others: the numbers are the same.
@@ -48,15 +48,17 @@ pub(crate) struct Plan {
     /// Lane vectors of all segments' tiles; one more place takes what nobody asked for.
     pub tile: usize,
     /// The place of each of the packed numbers of a sample.
-    pub slots: Vec<u32>,
+    pub slots: Vec<Place>,
     /// Whether there are places that no number goes to: zeros.
     pub holes: bool,
+    /// Whether there is friction.
+    pub rubs: bool,
     /// The places of viscous, Coulomb and offset of each joint.
-    pub friction: Vec<[u32; 3]>,
+    pub friction: Vec<[Place; 3]>,
     /// The place of each joint's torque.
-    pub right: Vec<u32>,
+    pub right: Vec<Place>,
     /// All places of each row.
-    pub rows: Vec<Vec<u32>>,
+    pub rows: Vec<Vec<Place>>,
     /// Number of columns P, without the right-hand side.
     pub columns: usize,
     /// Coordinates of q, and rows of a sample.
@@ -80,6 +82,7 @@ impl Plan {
             }
         }
         let kinds = [friction.viscous, friction.coulomb, friction.offset];
+        let rubs = kinds.contains(&true);
         let mut first_of_kind = [None; 3];
         for (first, wanted) in first_of_kind.iter_mut().zip(kinds) {
             if wanted {
@@ -99,12 +102,13 @@ impl Plan {
             triangles: layout.segments.iter().map(Segment::triangle).collect(),
             groups: GROUPS,
             width: regressor.width(),
-            tile: places.trash as usize,
+            tile: places.trash.of(0),
             slots: entries
                 .iter()
                 .map(|&(row, column)| places.of(ids[column], row))
                 .collect(),
             holes: layout.is_full(),
+            rubs,
             friction: friction.collect(),
             right: (0..n).map(|j| places.of(Some(right), j)).collect(),
             rows: places.rows(),
@@ -138,25 +142,45 @@ impl Plan {
     }
 }
 
+/// Where a column's numbers on a row are in the tile: one lane vector a group.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Place {
+    first: u32,
+    stride: u32,
+}
+
+impl Place {
+    /// The place of a group.
+    #[inline(always)]
+    pub(crate) fn of(self, group: usize) -> usize {
+        self.first as usize + group * self.stride as usize
+    }
+}
+
 /// The place of each column on each row.
 struct Places {
-    table: Vec<u32>,
+    table: Vec<Place>,
     n: usize,
-    trash: u32,
+    trash: Place,
 }
 
 impl Places {
     fn new(layout: &Layout, columns: usize, n: usize) -> Self {
         let all: usize = layout.segments.iter().map(Segment::tile).sum();
-        let trash = all as u32;
+        let trash = Place {
+            first: all as u32,
+            stride: 0,
+        };
         let mut table = vec![trash; columns * n];
         let mut start = 0;
         for (segment, rows) in layout.segments.iter().zip(&layout.rows) {
             for shape in &segment.columns {
                 let first = shape.begin / GROUPS;
                 for k in 0..shape.rows / GROUPS {
-                    let place = start + shape.offset + k * GROUPS;
-                    table[shape.id * n + rows[first + k]] = place as u32;
+                    table[shape.id * n + rows[first + k]] = Place {
+                        first: (start + shape.offset + k * GROUPS * shape.stride) as u32,
+                        stride: shape.stride as u32,
+                    };
                 }
             }
             start += segment.tile();
@@ -164,11 +188,11 @@ impl Places {
         Self { table, n, trash }
     }
 
-    fn of(&self, column: Option<usize>, row: usize) -> u32 {
+    fn of(&self, column: Option<usize>, row: usize) -> Place {
         column.map_or(self.trash, |column| self.table[column * self.n + row])
     }
 
-    fn rows(&self) -> Vec<Vec<u32>> {
+    fn rows(&self) -> Vec<Vec<Place>> {
         let inside = |row: usize| {
             let places = self.table.iter().skip(row).step_by(self.n);
             places

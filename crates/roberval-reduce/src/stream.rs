@@ -172,16 +172,28 @@ impl Reduction {
         self
     }
 
-    /// Samples that are worth one update: a block for each thread, or for one thread what stays
-    /// in the cache.
+    /// Samples that are worth one update: a block for each thread, or for one thread
+    /// [`Reduction::brief`] ones.
     #[must_use]
     pub fn wave(&self) -> usize {
-        /// Some MB with all arrays.
-        const CACHED: usize = 1 << 13;
         match self.threads {
-            1 => CACHED,
+            1 => self.brief(),
             threads => threads * self.plan.block() * self.plan.samples(),
         }
+    }
+
+    /// Samples that one thread takes in within some ms, all arrays together staying in the
+    /// cache: no reason to look at Ctrl-C meanwhile.
+    #[must_use]
+    pub fn brief(&self) -> usize {
+        /// About 1 MB with all arrays of seven joints.
+        const CACHED: usize = 1 << 12;
+        /// Entries of W, of which the processor needs 0.2 to 0.6 ns each.
+        const ENTRIES: usize = 1 << 24;
+        let samples = ENTRIES / (self.dof() * (self.plan.columns + 1));
+        samples
+            .clamp(1, CACHED)
+            .next_multiple_of(self.plan.samples())
     }
 
     /// Number of rows of a sample: the independent joints, and six for a base that floats.

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use roberval_regressor::{Expanded, NoValue, Regressor, Slots, States, TileRows, TreeStates};
-use roberval_scalar::{Lanes, Task};
+use roberval_scalar::{Lanes, MAX_LANES, Task};
 
 use crate::annihilate::annihilate;
 use crate::plan::{LEAVES, Plan};
@@ -93,7 +93,7 @@ impl Task for Absorb<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
         let (plan, regressor) = (self.plan, self.regressor);
-        let mut tile = vec![V::lift(0.0); plan.tile + 1 + plan.groups];
+        let mut tile = vec![V::lift(0.0); plan.tile + 1];
         let mut rows = TileRows::<V>::new(regressor);
         let mut expanded = Expanded::default();
         let size = plan.samples();
@@ -156,47 +156,52 @@ fn annihilate_all<V: Lanes>(plan: &Plan, mut r: &mut [V], mut tile: &mut [V]) {
 #[inline(always)]
 fn fill<V: Lanes>(plan: &Plan, samples: &Measured<'_>, at: usize, group: usize, out: &mut [V]) {
     let (n, one) = (plan.n(), V::lift(1.0));
-    for j in 0..n {
-        let column = Gather { n, j, at };
-        let velocity = column.take::<V>(samples.states.qd);
-        let sign = one.with_sign_of(velocity).where_nonzero(velocity);
-        let [viscous, coulomb, offset] = plan.friction[j];
-        out[viscous as usize + group] = velocity;
-        out[coulomb as usize + group] = sign;
-        out[offset as usize + group] = one;
-        out[plan.right[j] as usize + group] = column.take::<V>(samples.tau);
+    let mut columns = [V::lift(0.0); MAX_LANES];
+    for first in (0..n).step_by(V::COUNT) {
+        let joints = first..n.min(first + V::COUNT);
+        transpose(samples.tau, n, [at, first], &mut columns);
+        for (place, torque) in plan.right[joints.clone()].iter().zip(&columns) {
+            out[place.of(group)] = *torque;
+        }
+        if plan.rubs {
+            transpose(samples.states.qd, n, [at, first], &mut columns);
+            for (places, &velocity) in plan.friction[joints].iter().zip(&columns) {
+                let [viscous, coulomb, offset] = places;
+                out[viscous.of(group)] = velocity;
+                out[coulomb.of(group)] = one.with_sign_of(velocity).where_nonzero(velocity);
+                out[offset.of(group)] = one;
+            }
+        }
     }
     if samples.weights.is_empty() {
         return;
     }
-    for j in 0..n {
-        let weight = Gather { n, j, at }.take::<V>(samples.weights);
-        for &target in &plan.rows[j] {
-            let entry = &mut out[target as usize + group];
-            *entry = *entry * weight;
+    for first in (0..n).step_by(V::COUNT) {
+        transpose(samples.weights, n, [at, first], &mut columns);
+        for (row, &weight) in plan.rows[first..].iter().zip(&columns[..V::COUNT]) {
+            for place in row {
+                let entry = &mut out[place.of(group)];
+                *entry = *entry * weight;
+            }
         }
     }
 }
 
-/// Column j of a table of n columns, a row a lane, from row `at` on.
-struct Gather {
-    n: usize,
-    j: usize,
-    at: usize,
-}
-
-impl Gather {
-    #[inline(always)]
-    fn take<V: Lanes>(&self, from: &[f64]) -> V {
-        let mut numbers = [0.0; roberval_scalar::MAX_LANES];
-        for (x, row) in numbers
-            .iter_mut()
-            .zip(from[self.at * self.n..].chunks_exact(self.n))
-            .take(V::COUNT)
-        {
-            *x = row[self.j];
+/// As many columns as there are lanes, from the one `first` on, of a table of n columns, a
+/// row a lane, from row `at` on. Columns that are not there are anything.
+#[inline(always)]
+fn transpose<V: Lanes>(table: &[f64], n: usize, [at, first]: [usize; 2], to: &mut [V; MAX_LANES]) {
+    let from = &table[at * n + first..];
+    if from.len() >= (V::COUNT - 1) * n + V::COUNT {
+        return V::load_transposed(from, n, to);
+    }
+    // A whole block would read beyond the table's end.
+    for (j, to) in to.iter_mut().enumerate().take(n - first) {
+        let mut column = [0.0; MAX_LANES];
+        for (s, x) in column.iter_mut().enumerate().take(V::COUNT) {
+            *x = from[s * n + j];
         }
-        V::load(&numbers)
+        *to = V::load(&column);
     }
 }
 
@@ -212,7 +217,7 @@ impl<V: Lanes> Slots<V> for TileRowsOf<'_, V> {
     fn put(&mut self, first: usize, numbers: &[V]) {
         let targets = &self.plan.slots[first..first + numbers.len()];
         for (target, x) in targets.iter().zip(numbers) {
-            self.tile[*target as usize + self.group] = *x;
+            self.tile[target.of(self.group)] = *x;
         }
     }
 }
@@ -254,7 +259,7 @@ impl Task for Merge<'_> {
 pub(crate) fn spread<V: Lanes>(triangle: &crate::layout::Segment, rows: &[V], tile: &mut [V]) {
     for (column, shape) in triangle.columns.iter().enumerate() {
         for row in 0..=column {
-            tile[shape.offset + row] = rows[triangle.row(row) + column - row];
+            tile[shape.offset + row * shape.stride] = rows[triangle.row(row) + column - row];
         }
     }
 }
