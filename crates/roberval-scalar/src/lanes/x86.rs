@@ -124,131 +124,187 @@ arithmetic!(
     _mm256_set1_pd
 );
 
-impl Lanes for F64x8 {
-    const COUNT: usize = 8;
-    const REGISTERS: usize = 32;
+/// The lanes of a register, given what the processor calls its instructions.
+macro_rules! lanes {
+    ($name:ident: $count:literal lanes, $registers:literal registers,
+     $load:ident, $store:ident, $stream:ident, $divide:ident, $sqrt:ident,
+     $signed:ident, $where_nonzero:ident, $transposed:ident) => {
+        impl Lanes for $name {
+            const COUNT: usize = $count;
+            const REGISTERS: usize = $registers;
 
-    #[inline(always)]
-    fn load(from: &[f64]) -> Self {
-        // SAFETY: the slice below is checked to have 8 numbers.
-        Self(unsafe { _mm512_loadu_pd(from[..8].as_ptr()) })
-    }
+            #[inline(always)]
+            fn load(from: &[f64]) -> Self {
+                // SAFETY: the slice is checked to have COUNT numbers.
+                Self(unsafe { $load(from[..$count].as_ptr()) })
+            }
 
-    #[inline(always)]
-    fn store(self, to: &mut [f64]) {
-        // SAFETY: the slice below is checked to have 8 numbers.
-        unsafe { _mm512_storeu_pd(to[..8].as_mut_ptr(), self.0) }
-    }
+            #[inline(always)]
+            fn store(self, to: &mut [f64]) {
+                // SAFETY: the slice is checked to have COUNT numbers.
+                unsafe { $store(to[..$count].as_mut_ptr(), self.0) }
+            }
 
-    #[inline(always)]
-    fn numbers(lanes: &mut [Self]) -> &mut [f64] {
-        let count = lanes.len() * Self::COUNT;
-        // SAFETY: a lane type is COUNT floats and nothing else.
-        unsafe { std::slice::from_raw_parts_mut(lanes.as_mut_ptr().cast(), count) }
-    }
+            #[inline(always)]
+            fn numbers(lanes: &mut [Self]) -> &mut [f64] {
+                let count = lanes.len() * $count;
+                // SAFETY: a lane type is COUNT floats and nothing else.
+                unsafe { std::slice::from_raw_parts_mut(lanes.as_mut_ptr().cast(), count) }
+            }
 
-    #[inline(always)]
-    fn divide(self, by: Self) -> Self {
-        // SAFETY: see the module.
-        Self(unsafe { _mm512_div_pd(self.0, by.0) })
-    }
+            #[inline(always)]
+            fn divide(self, by: Self) -> Self {
+                // SAFETY: see the module.
+                Self(unsafe { $divide(self.0, by.0) })
+            }
 
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        // SAFETY: see the module.
-        Self(unsafe { _mm512_sqrt_pd(self.0) })
-    }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                // SAFETY: see the module.
+                Self(unsafe { $sqrt(self.0) })
+            }
 
-    #[inline(always)]
-    fn with_sign_of(self, sign: Self) -> Self {
-        // SAFETY: see the module.
-        unsafe {
-            let mask = _mm512_set1_pd(-0.0);
-            let size = _mm512_andnot_pd(mask, self.0);
-            Self(_mm512_or_pd(size, _mm512_and_pd(mask, sign.0)))
+            #[inline(always)]
+            fn with_sign_of(self, sign: Self) -> Self {
+                // SAFETY: see the module.
+                Self(unsafe { $signed!(self.0, sign.0) })
+            }
+
+            #[inline(always)]
+            fn where_nonzero(self, test: Self) -> Self {
+                // SAFETY: see the module.
+                Self(unsafe { $where_nonzero!(self.0, test.0) })
+            }
+
+            #[inline(always)]
+            fn is_zero(self) -> bool {
+                self.all_within(0.0)
+            }
+
+            #[inline(always)]
+            fn sin_cos(self) -> (Self, Self) {
+                trigonometry::sin_cos(self)
+            }
+
+            #[inline(always)]
+            fn load_transposed(from: &[f64], stride: usize, to: &mut [Self]) {
+                assert!(
+                    from.len() >= ($count - 1) * stride + $count,
+                    "as many rows as lanes"
+                );
+                let mut rows = [Self::lift(0.0); $count];
+                for (s, row) in rows.iter_mut().enumerate() {
+                    // SAFETY: row s begins at s * stride and its numbers are there (asserted).
+                    *row = Self(unsafe { $load(from.as_ptr().add(s * stride)) });
+                }
+                let to = &mut to[..$count];
+                for (to, column) in to.iter_mut().zip($transposed(rows)) {
+                    *to = column;
+                }
+            }
+
+            #[inline(always)]
+            fn store_transposed(stage: &[Self], sources: &[u32], to: &mut [f64], stride: usize) {
+                let mut columns = [Self::lift(0.0); $count];
+                for (column, &source) in columns.iter_mut().zip(sources) {
+                    *column = stage[source as usize];
+                }
+                assert!(
+                    to.len() >= ($count - 1) * stride + $count,
+                    "as many rows as lanes"
+                );
+                for (s, row) in $transposed(columns).into_iter().enumerate() {
+                    // SAFETY: row s begins at s * stride and its numbers are there (asserted).
+                    unsafe { $store(to.as_mut_ptr().add(s * stride), row.0) }
+                }
+            }
+
+            #[inline(always)]
+            fn clear(to: &mut [f64]) {
+                let count = to.len();
+                if count < MEMSET_IS_SLOW {
+                    return to.fill(0.0);
+                }
+                // Hidden, or the loop becomes a call of memset.
+                let zero = std::hint::black_box(Self::lift(0.0));
+                // The ends, wherever they are; between them whole lines.
+                zero.store(to);
+                zero.store(&mut to[count - $count..]);
+                for line in aligned(to, 8 * $count).1.chunks_exact_mut($count) {
+                    zero.store(line);
+                }
+            }
+
+            #[inline(always)]
+            fn stream(from: &[f64], to: &mut [f64]) {
+                let (head, body) = aligned(to, 8 * $count);
+                let (from_head, from_body) = from.split_at(head.len());
+                head.copy_from_slice(from_head);
+                let mut lines = body.chunks_exact_mut($count);
+                let mut from_lines = from_body.chunks_exact($count);
+                for (line, from) in lines.by_ref().zip(from_lines.by_ref()) {
+                    // SAFETY: `line` is aligned and has COUNT numbers.
+                    unsafe { $stream(line.as_mut_ptr(), Self::load(from).0) }
+                }
+                lines
+                    .into_remainder()
+                    .copy_from_slice(from_lines.remainder());
+                // SAFETY: a fence touches nothing.
+                unsafe { _mm_sfence() }
+            }
         }
-    }
-
-    #[inline(always)]
-    fn where_nonzero(self, test: Self) -> Self {
-        // SAFETY: see the module.
-        unsafe {
-            let nonzero = _mm512_cmp_pd_mask::<_CMP_NEQ_UQ>(test.0, _mm512_setzero_pd());
-            Self(_mm512_maskz_mov_pd(nonzero, self.0))
-        }
-    }
-
-    #[inline(always)]
-    fn is_zero(self) -> bool {
-        self.all_within(0.0)
-    }
-
-    #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        trigonometry::sin_cos(self)
-    }
-
-    #[inline(always)]
-    fn load_transposed(from: &[f64], stride: usize, to: &mut [Self]) {
-        assert!(from.len() >= 7 * stride + 8, "8 rows of 8 numbers");
-        let mut rows = [F64x8::lift(0.0); 8];
-        for (s, row) in rows.iter_mut().enumerate() {
-            // SAFETY: row s begins at s * stride and its 8 numbers are there (asserted).
-            *row = Self(unsafe { _mm512_loadu_pd(from.as_ptr().add(s * stride)) });
-        }
-        let to = &mut to[..8];
-        for (to, column) in to.iter_mut().zip(transposed8(rows)) {
-            *to = column;
-        }
-    }
-
-    #[inline(always)]
-    fn store_transposed(stage: &[Self], sources: &[u32], to: &mut [f64], stride: usize) {
-        let mut columns = [F64x8::lift(0.0); 8];
-        for (column, &source) in columns.iter_mut().zip(sources) {
-            *column = stage[source as usize];
-        }
-        assert!(to.len() >= 7 * stride + 8, "8 rows of 8 numbers");
-        for (s, row) in transposed8(columns).into_iter().enumerate() {
-            // SAFETY: row s begins at s * stride and its 8 numbers are there (asserted).
-            unsafe { _mm512_storeu_pd(to.as_mut_ptr().add(s * stride), row.0) }
-        }
-    }
-
-    #[inline(always)]
-    fn clear(to: &mut [f64]) {
-        let count = to.len();
-        if count < MEMSET_IS_SLOW {
-            return to.fill(0.0);
-        }
-        // Hidden, or the loop becomes a call of memset.
-        let zero = std::hint::black_box(Self::lift(0.0));
-        // The ends, wherever they are; between them whole lines.
-        zero.store(to);
-        zero.store(&mut to[count - Self::COUNT..]);
-        for line in aligned(to, 64).1.chunks_exact_mut(Self::COUNT) {
-            zero.store(line);
-        }
-    }
-
-    #[inline(always)]
-    fn stream(from: &[f64], to: &mut [f64]) {
-        let (head, body) = aligned(to, 64);
-        let (from_head, from_body) = from.split_at(head.len());
-        head.copy_from_slice(from_head);
-        let mut lines = body.chunks_exact_mut(8);
-        let mut from_lines = from_body.chunks_exact(8);
-        for (line, from) in lines.by_ref().zip(from_lines.by_ref()) {
-            // SAFETY: `line` begins on a cache line and has 8 numbers.
-            unsafe { _mm512_stream_pd(line.as_mut_ptr(), Self::load(from).0) }
-        }
-        lines
-            .into_remainder()
-            .copy_from_slice(from_lines.remainder());
-        // SAFETY: a fence touches nothing.
-        unsafe { _mm_sfence() }
-    }
+    };
 }
+
+macro_rules! signed8 {
+    ($x:expr, $sign:expr) => {{
+        let mask = _mm512_set1_pd(-0.0);
+        _mm512_or_pd(_mm512_andnot_pd(mask, $x), _mm512_and_pd(mask, $sign))
+    }};
+}
+macro_rules! where_nonzero8 {
+    ($x:expr, $test:expr) => {{
+        let nonzero = _mm512_cmp_pd_mask::<_CMP_NEQ_UQ>($test, _mm512_setzero_pd());
+        _mm512_maskz_mov_pd(nonzero, $x)
+    }};
+}
+
+lanes!(
+    F64x8: 8 lanes, 32 registers,
+    _mm512_loadu_pd,
+    _mm512_storeu_pd,
+    _mm512_stream_pd,
+    _mm512_div_pd,
+    _mm512_sqrt_pd,
+    signed8,
+    where_nonzero8,
+    transposed8
+);
+
+macro_rules! signed4 {
+    ($x:expr, $sign:expr) => {{
+        let mask = _mm256_set1_pd(-0.0);
+        _mm256_or_pd(_mm256_andnot_pd(mask, $x), _mm256_and_pd(mask, $sign))
+    }};
+}
+macro_rules! where_nonzero4 {
+    ($x:expr, $test:expr) => {{
+        let nonzero = _mm256_cmp_pd::<_CMP_NEQ_UQ>($test, _mm256_setzero_pd());
+        _mm256_and_pd(nonzero, $x)
+    }};
+}
+
+lanes!(
+    F64x4: 4 lanes, 16 registers,
+    _mm256_loadu_pd,
+    _mm256_storeu_pd,
+    _mm256_stream_pd,
+    _mm256_div_pd,
+    _mm256_sqrt_pd,
+    signed4,
+    where_nonzero4,
+    transposed4
+);
 
 /// The transpose of 8 rows.
 #[inline(always)]
@@ -316,131 +372,6 @@ impl Quadrants for F64x8 {
                 Self(_mm512_xor_pd(c, sign(_mm512_add_epi64(turns, one)))),
             )
         }
-    }
-}
-
-impl Lanes for F64x4 {
-    const COUNT: usize = 4;
-
-    #[inline(always)]
-    fn load(from: &[f64]) -> Self {
-        // SAFETY: the slice below is checked to have 4 numbers.
-        Self(unsafe { _mm256_loadu_pd(from[..4].as_ptr()) })
-    }
-
-    #[inline(always)]
-    fn store(self, to: &mut [f64]) {
-        // SAFETY: the slice below is checked to have 4 numbers.
-        unsafe { _mm256_storeu_pd(to[..4].as_mut_ptr(), self.0) }
-    }
-
-    #[inline(always)]
-    fn numbers(lanes: &mut [Self]) -> &mut [f64] {
-        let count = lanes.len() * Self::COUNT;
-        // SAFETY: a lane type is COUNT floats and nothing else.
-        unsafe { std::slice::from_raw_parts_mut(lanes.as_mut_ptr().cast(), count) }
-    }
-
-    #[inline(always)]
-    fn divide(self, by: Self) -> Self {
-        // SAFETY: see the module.
-        Self(unsafe { _mm256_div_pd(self.0, by.0) })
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        // SAFETY: see the module.
-        Self(unsafe { _mm256_sqrt_pd(self.0) })
-    }
-
-    #[inline(always)]
-    fn with_sign_of(self, sign: Self) -> Self {
-        // SAFETY: see the module.
-        unsafe {
-            let mask = _mm256_set1_pd(-0.0);
-            let size = _mm256_andnot_pd(mask, self.0);
-            Self(_mm256_or_pd(size, _mm256_and_pd(mask, sign.0)))
-        }
-    }
-
-    #[inline(always)]
-    fn where_nonzero(self, test: Self) -> Self {
-        // SAFETY: see the module.
-        unsafe {
-            let nonzero = _mm256_cmp_pd::<_CMP_NEQ_UQ>(test.0, _mm256_setzero_pd());
-            Self(_mm256_and_pd(nonzero, self.0))
-        }
-    }
-
-    #[inline(always)]
-    fn is_zero(self) -> bool {
-        self.all_within(0.0)
-    }
-
-    #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        trigonometry::sin_cos(self)
-    }
-
-    #[inline(always)]
-    fn load_transposed(from: &[f64], stride: usize, to: &mut [Self]) {
-        assert!(from.len() >= 3 * stride + 4, "4 rows of 4 numbers");
-        let mut rows = [F64x4::lift(0.0); 4];
-        for (s, row) in rows.iter_mut().enumerate() {
-            // SAFETY: row s begins at s * stride and its 4 numbers are there (asserted).
-            *row = Self(unsafe { _mm256_loadu_pd(from.as_ptr().add(s * stride)) });
-        }
-        let to = &mut to[..4];
-        for (to, column) in to.iter_mut().zip(transposed4(rows)) {
-            *to = column;
-        }
-    }
-
-    #[inline(always)]
-    fn store_transposed(stage: &[Self], sources: &[u32], to: &mut [f64], stride: usize) {
-        let mut columns = [F64x4::lift(0.0); 4];
-        for (column, &source) in columns.iter_mut().zip(sources) {
-            *column = stage[source as usize];
-        }
-        assert!(to.len() >= 3 * stride + 4, "4 rows of 4 numbers");
-        for (s, row) in transposed4(columns).into_iter().enumerate() {
-            // SAFETY: row s begins at s * stride and its 4 numbers are there (asserted).
-            unsafe { _mm256_storeu_pd(to.as_mut_ptr().add(s * stride), row.0) }
-        }
-    }
-
-    #[inline(always)]
-    fn clear(to: &mut [f64]) {
-        let count = to.len();
-        if count < MEMSET_IS_SLOW {
-            return to.fill(0.0);
-        }
-        // Hidden, or the loop becomes a call of memset.
-        let zero = std::hint::black_box(Self::lift(0.0));
-        // The ends, wherever they are; between them whole lines.
-        zero.store(to);
-        zero.store(&mut to[count - Self::COUNT..]);
-        for line in aligned(to, 32).1.chunks_exact_mut(Self::COUNT) {
-            zero.store(line);
-        }
-    }
-
-    #[inline(always)]
-    fn stream(from: &[f64], to: &mut [f64]) {
-        let (head, body) = aligned(to, 32);
-        let (from_head, from_body) = from.split_at(head.len());
-        head.copy_from_slice(from_head);
-        let mut lines = body.chunks_exact_mut(4);
-        let mut from_lines = from_body.chunks_exact(4);
-        for (line, from) in lines.by_ref().zip(from_lines.by_ref()) {
-            // SAFETY: `line` is aligned to 32 bytes and has 4 numbers.
-            unsafe { _mm256_stream_pd(line.as_mut_ptr(), Self::load(from).0) }
-        }
-        lines
-            .into_remainder()
-            .copy_from_slice(from_lines.remainder());
-        // SAFETY: a fence touches nothing.
-        unsafe { _mm_sfence() }
     }
 }
 
