@@ -248,8 +248,8 @@ impl<V: Lanes, const K: usize> Block<'_, V, K> {
                     entries[c] = v[k].neg_mul_add(sums[k][c], entries[c]);
                 }
             }
-            for c in 0..C {
-                x[from + c] = entries[c];
+            for (x, entry) in x[from..].iter_mut().zip(entries) {
+                *x = entry;
             }
         }
     }
