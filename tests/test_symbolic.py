@@ -76,7 +76,7 @@ def test_constants_may_have_names_that_mean_something_to_python() -> None:
     sympy = pytest.importorskip("sympy")
     text = rv.load("two_link").to_toml()
     assert "L1" in text
-    for name in ("lambda", "M_2", "cos", "E"):
+    for name in ("lambda", "M_2", "MXR_1", "cos", "f", "E", "I", "S", "N"):
         robot = rv.Robot.from_toml(text.replace("L1", name))
         symbolic = robot.base_parameters().relations_symbolic()
         scope: dict[str, Any] = {}

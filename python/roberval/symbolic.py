@@ -89,7 +89,11 @@ class SymbolicRelations(Rendered, Mapping[str, str]):
 
     @property
     def special(self) -> tuple[tuple[tuple[str, ...], int], ...]:
-        """Given values at which the rank is lower: ``D3 = 0`` and how many parameters more go."""
+        """The causes by which the given values lower the rank, and how many parameters each does.
+
+        A cause is the conditions that it needs: ``D3 = 0``, ``L1 = L2``, ``A = 90 deg``. Of one
+        that has a part which is a cause too, only those are counted that the part leaves.
+        """
         return tuple((tuple(s["values"]), s["fewer"]) for s in self._content["special"])
 
     @property

@@ -28,8 +28,8 @@ pub use diagnosis::{Diagnosis, Opened, Structure, Witness};
 pub use engine::Engine;
 pub use error::BaseError;
 pub use exact::{
-    ExactDecision, ExactError, ExactNumber, LoopForm, Run, choose_exactly, decide_exactly,
-    eliminate,
+    ExactDecision, ExactError, ExactNumber, LoopForm, Run, choose_exactly, constraints_held,
+    decide_exactly, eliminate,
 };
 pub use literal::{Blame, Literal};
 pub use method::{Options, base_parameters, base_parameters_at};

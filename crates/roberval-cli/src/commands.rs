@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use clap::CommandFactory;
-use roberval_base::{Choice, ScalingOptions, base_parameters};
+use roberval_base::{Choice, Engine, ScalingOptions, base_parameters};
 use roberval_formats::{catalogue, clean_file};
 use roberval_mechanism::{CleanMode, Mechanism};
 use roberval_symbolic::{Naming, Route, SymbolicOptions, symbolic_relations};
@@ -142,6 +142,12 @@ fn symbolic(
         return Err(CliError::Usage(what));
     }
     let options = args.method.options(&args.choice)?;
+    let exact = args.method.engine == Engine::default() && args.method.rows.is_none();
+    if !exact || args.choice.paper_tolerance.is_some() {
+        let what = "--symbolic and --rules decide exactly, without samples in floats: leave out \
+                    --engine, --rows and --paper-tolerance";
+        return Err(CliError::Usage(what.to_owned()));
+    }
     let sympy = beside("--sympy", args.sympy.as_deref())?;
     answer(&args.output, out, look, |format| {
         let mechanism = load(&args.robot.robot, &args.robot.reading)?;

@@ -94,7 +94,8 @@ fn the_sympy_module_of_an_open_coefficient_defines_f() {
     assert_eq!(run.code, 0, "{}", run.err);
     let text = std::fs::read_to_string(&module).expect("written");
     assert!(text.contains("*M_3") && text.contains("f(L)"), "{text}");
-    assert!(text.starts_with("from sympy import Function, "), "{text}");
+    assert!(text.starts_with("# Verified at random values "), "{text}");
+    assert!(text.contains("\nfrom sympy import Function, "), "{text}");
     assert!(text.contains("\nf = Function(\"f\")"), "{text}");
 }
 
@@ -188,6 +189,116 @@ fn the_rules_alone_tell_what_they_leave_and_which_rule_made_each_relation() {
     assert!(sr400.out.contains("42 are base"), "{}", sr400.out);
 }
 
+/// The numbers' base parameters by the same options.
+#[test]
+fn model_and_choice_are_honoured_by_symbols_and_by_rules() {
+    let list = |args: &[&str], key: &str| {
+        let run = roberval(&[&["base", "sr400", "--format", "json"], args].concat());
+        assert_eq!(run.code, 0, "{args:?}: {}", run.err);
+        let value: serde_json::Value = serde_json::from_str(&run.out).expect("JSON");
+        let labels = value[key].as_array().expect("a list").iter();
+        let label = |l: &serde_json::Value| l.as_str().expect("a label").to_owned();
+        labels.map(label).collect::<Vec<String>>()
+    };
+    for options in [
+        &["--model", "d0"][..],
+        &["--model", "h"],
+        &["--choice", "pivoted"],
+        &["--keep", "M_6,MX_8", "--drop", "ZZ_1"],
+    ] {
+        let with = |flag| [&[flag], options].concat();
+        let mut numbers = list(options, "base");
+        numbers.sort();
+        let mut symbols = list(&with("--symbolic"), "base");
+        symbols.sort();
+        assert_eq!(symbols, numbers, "{options:?}");
+        let left_over = list(&with("--rules"), "left_over");
+        let mut rules = list(&with("--rules"), "base");
+        rules.retain(|label| !left_over.contains(label));
+        rules.sort();
+        assert_eq!(rules, numbers, "{options:?}");
+    }
+}
+
+/// A joint that follows by an expression; an angle and a length with the names of others.
+const NAMES: &str = r#"name = "names"
+[constants]
+M_2 = 0.5
+f = "30 deg"
+[[link]]
+name = "1"
+alpha = 0
+d = 0
+theta = 0
+r = 0
+[[link]]
+name = "2"
+alpha = "f"
+d = "M_2"
+theta = 0
+r = 0
+"#;
+
+#[test]
+fn constants_with_names_of_parameters_or_functions_are_told_apart() {
+    let folder = Folder::new("names");
+    let file = folder.path("names.toml");
+    std::fs::write(&file, NAMES).expect("written");
+    let run = roberval(&["base", &file, "--symbolic"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    assert!(
+        run.out.contains("Lengths in m: const_M_2 = 0.5"),
+        "{}",
+        run.out
+    );
+    assert!(run.out.contains("+ const_M_2^2 M_2"), "{}", run.out);
+    assert!(run.out.contains("sin(const_f)^2"), "{}", run.out);
+}
+
+#[test]
+fn joints_by_expressions_are_refused_with_the_reason_and_what_to_do() {
+    let folder = Folder::new("expression");
+    let file = folder.path("expression.toml");
+    let couple = "[[couple]]\njoint = \"2\"\nexpression = \"2*sin(q.1)\"\n";
+    std::fs::write(&file, NAMES.to_owned() + couple).expect("written");
+    for flag in ["--symbolic", "--rules"] {
+        let run = roberval(&["base", &file, flag]);
+        assert_eq!(run.code, 2, "{}", run.err);
+        for words in ["\"2\" follows by an expression", "base without --symbolic"] {
+            assert!(run.err.contains(words), "{}", run.err);
+        }
+        assert!(!run.err.contains("loop"), "{}", run.err);
+    }
+}
+
+#[test]
+fn the_page_of_a_robot_with_named_constants_has_the_relations_in_them() {
+    let folder = Folder::new("page");
+    let page = folder.path("page.html");
+    let run = roberval(&["base", "puma560", "--report", &page]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let text = std::fs::read_to_string(&page).expect("written");
+    assert!(text.contains("<i>D</i><sub>3</sub><sup>2</sup>"));
+    assert!(text.contains("Verified at random values"));
+    let run = roberval(&["base", "iiwa14", "--report", &page]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let text = std::fs::read_to_string(&page).expect("written");
+    assert!(text.contains("--symbolic"));
+}
+
+#[test]
+fn special_values_are_told_in_a_sentence() {
+    let folder = Folder::new("special");
+    let file = folder.path("scara.toml");
+    let text = "name = \"s\"\n[constants]\nD2 = 0\n[[link]]\nname = \"1\"\nalpha = 0\nd = 0\nr = 0\n\
+                [[link]]\nname = \"2\"\nalpha = 0\nd = \"D2\"\nr = 0\n";
+    std::fs::write(&file, text).expect("written");
+    let run = roberval(&["base", &file, "--symbolic"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let sentence = "with D2 = 0 two more parameters lose effect: MX_2, MY_2";
+    assert!(run.out.contains(sentence), "{}", run.out);
+}
+
 #[test]
 fn bad_requests_are_told() {
     for (args, message) in [
@@ -204,6 +315,14 @@ fn bad_requests_are_told() {
         (
             &["base", "puma560", "--symbolic", "--report", "x.html"],
             "--report",
+        ),
+        (
+            &["base", "puma560", "--rules", "--engine", "svd"],
+            "leave out --engine",
+        ),
+        (
+            &["base", "puma560", "--symbolic", "--rows", "200"],
+            "leave out --engine, --rows",
         ),
     ] {
         let run = roberval(args);

@@ -1,5 +1,6 @@
 //! Polynomials as an engineer would write them.
 
+mod notation;
 mod squares;
 
 use std::collections::BTreeMap;
@@ -11,64 +12,9 @@ use num_traits::{One, Signed, Zero};
 
 use crate::polynomial::{Monomial, Polynomial, Variable};
 use crate::relations::Coefficient;
+pub use notation::Notation;
+use notation::decimal;
 use squares::with_squares;
-
-/// Python's keywords, and what the SymPy module defines.
-const TAKEN: [&str; 42] = [
-    "False",
-    "None",
-    "True",
-    "and",
-    "as",
-    "assert",
-    "async",
-    "await",
-    "break",
-    "class",
-    "continue",
-    "def",
-    "del",
-    "elif",
-    "else",
-    "except",
-    "finally",
-    "for",
-    "from",
-    "global",
-    "if",
-    "import",
-    "in",
-    "is",
-    "lambda",
-    "nonlocal",
-    "not",
-    "or",
-    "pass",
-    "raise",
-    "return",
-    "try",
-    "while",
-    "with",
-    "yield",
-    "Function",
-    "Rational",
-    "cos",
-    "f",
-    "sin",
-    "symbols",
-    "relations",
-];
-
-/// How formulas are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Notation {
-    /// `2 R3`, `R4^2 - D4^2`.
-    Text,
-    /// `2 R_{3}`, `R_{4}^{2} - D_{4}^{2}`.
-    Latex,
-    /// `2*R3`, `R4**2 - D4**2`.
-    SymPy,
-}
 
 /// A coefficient, factored: sign, number and common variables before a sum.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -119,7 +65,10 @@ impl Factored {
             let name = |(factor, at): (BigInt, usize)| (factor, variables[at].clone());
             Term::Square(c, lengths.into_iter().map(name).collect())
         }));
-        sum.sort_by_key(|term| (term.coefficient().is_negative(), term.order()));
+        sum.sort_by_key(|term| {
+            let order = term.order();
+            (term.coefficient().is_negative(), order.is_empty(), order)
+        });
         if matches!(&sum[..], [Term::Product(c, factors)] if c.is_one() && factors.is_empty()) {
             sum.clear();
         }
@@ -143,33 +92,55 @@ impl Factored {
         self.common.is_empty() && self.below.is_empty() && self.sum.is_empty()
     }
 
-    /// Without its sign, as a factor of something behind it; empty for 1.
+    /// Without its sign, as a factor of something behind it; empty for 1. Numbers are written
+    /// as decimals where they are such, as those of robot files are; not for SymPy.
     #[must_use]
     pub fn text(&self, notation: Notation) -> String {
         if self.is_unit() {
             return String::new();
         }
+        let one = BigRational::one();
+        let before = self.scaled(notation, &self.number, &one);
+        let whole = self.number.is_integer() || self.sum.len() < 2;
+        if whole || notation == Notation::SymPy || decimal(&self.number).is_none() {
+            return before;
+        }
+        let inside = self.scaled(notation, &one, &self.number);
+        let shorter = inside.chars().count() < before.chars().count();
+        if shorter { inside } else { before }
+    }
+
+    /// The factor with a number before it and one in each term of the sum.
+    fn scaled(&self, notation: Notation, before: &BigRational, inside: &BigRational) -> String {
         let mut factors: Vec<String> = Vec::new();
-        let numerator = self.number.numer();
-        if !numerator.is_one() {
-            factors.push(numerator.to_string());
+        let (number, denominator) = match decimal(before) {
+            Some(decimal) if notation != Notation::SymPy => (decimal, None),
+            _ => {
+                let denominator = (!before.is_integer()).then(|| before.denom().to_string());
+                (before.numer().to_string(), denominator)
+            }
+        };
+        if notation == Notation::SymPy && self.is_number() {
+            return match denominator {
+                Some(denominator) => format!("Rational({number}, {denominator})"),
+                None => number,
+            };
+        }
+        if number != "1" {
+            factors.push(number);
         }
         factors.extend(self.common.iter().map(|f| notation.power(f)));
         match &self.sum[..] {
             [] => {}
-            [one @ Term::Square(..)] => factors.push(notation.sum(std::slice::from_ref(one))),
-            sum => factors.push(format!("({})", notation.sum(sum))),
+            [one @ Term::Square(..)] => {
+                factors.push(notation.sum(std::slice::from_ref(one), inside));
+            }
+            sum => factors.push(format!("({})", notation.sum(sum, inside))),
         }
         if factors.is_empty() {
             factors.push("1".to_owned());
         }
-        let mut below: Vec<String> = Vec::new();
-        if !self.number.denom().is_one() {
-            below.push(self.number.denom().to_string());
-        }
-        if notation == Notation::SymPy && below.len() == 1 && self.is_number() {
-            return format!("Rational({numerator}, {})", below[0]);
-        }
+        let mut below: Vec<String> = denominator.into_iter().collect();
         below.extend(self.below.iter().map(|f| notation.power(f)));
         let above = factors.join(notation.times());
         match (&below[..], notation) {
@@ -199,108 +170,6 @@ impl Term {
         names.sort();
         let reversed = names.into_iter().map(|(n, e)| (n, std::cmp::Reverse(e)));
         reversed.collect()
-    }
-}
-
-impl Notation {
-    fn times(self) -> &'static str {
-        match self {
-            Self::Text | Self::Latex => " ",
-            Self::SymPy => "*",
-        }
-    }
-
-    /// A variable.
-    #[must_use]
-    pub fn variable(self, variable: &Variable) -> String {
-        match (self, variable) {
-            (_, Variable::Length(name)) => self.name(name),
-            (Self::Latex, Variable::Cos(name)) => format!("\\cos {}", self.name(name)),
-            (Self::Latex, Variable::Sin(name)) => format!("\\sin {}", self.name(name)),
-            (_, Variable::Cos(name)) => format!("cos({})", self.name(name)),
-            (_, Variable::Sin(name)) => format!("sin({})", self.name(name)),
-        }
-    }
-
-    /// A symbol's name; for SymPy one that Python and the module leave free.
-    #[must_use]
-    pub fn name(self, name: &str) -> String {
-        if self == Self::SymPy && TAKEN.contains(&name) {
-            return format!("{name}_");
-        }
-        if self != Self::Latex {
-            return name.to_owned();
-        }
-        let digits = name
-            .find(|c: char| c.is_ascii_digit())
-            .unwrap_or(name.len());
-        let (letters, index) = name.split_at(digits);
-        let greek = ["alpha", "gamma", "theta"].contains(&letters);
-        let index = index.replace('_', "\\_");
-        let head = match letters.len() {
-            1 => letters.to_owned(),
-            _ if greek => format!("\\{letters}"),
-            _ => format!("\\mathit{{{}}}", letters.replace('_', "\\_")),
-        };
-        match index.is_empty() {
-            true => head,
-            false => format!("{head}_{{{index}}}"),
-        }
-    }
-
-    fn power(self, (variable, exponent): &(Variable, u8)) -> String {
-        let base = self.variable(variable);
-        match (self, exponent, variable) {
-            (_, 1, _) => base,
-            (Self::Latex, e, Variable::Length(_)) => format!("{base}^{{{e}}}"),
-            (Self::Latex, e, Variable::Cos(name)) => format!("\\cos^{{{e}}} {}", self.name(name)),
-            (Self::Latex, e, Variable::Sin(name)) => format!("\\sin^{{{e}}} {}", self.name(name)),
-            (Self::Text, e, _) => format!("{base}^{e}"),
-            (Self::SymPy, e, _) => format!("{base}**{e}"),
-        }
-    }
-
-    fn sum(self, terms: &[Term]) -> String {
-        let mut text = String::new();
-        for term in terms {
-            let coefficient = term.coefficient();
-            text += sign(text.is_empty(), coefficient.is_negative());
-            let mut pieces: Vec<String> = match term {
-                Term::Product(_, factors) => factors.iter().map(|f| self.power(f)).collect(),
-                Term::Square(_, sum) => vec![self.square(sum)],
-            };
-            if !coefficient.abs().is_one() || pieces.is_empty() {
-                pieces.insert(0, coefficient.abs().to_string());
-            }
-            text += &pieces.join(self.times());
-        }
-        text
-    }
-
-    fn square(self, sum: &[(BigInt, Variable)]) -> String {
-        let mut text = String::new();
-        for (factor, variable) in sum {
-            text += sign(text.is_empty(), factor.is_negative());
-            if !factor.abs().is_one() {
-                text += &format!("{}{}", factor.abs(), self.times());
-            }
-            text += &self.variable(variable);
-        }
-        match self {
-            Self::Text => format!("({text})^2"),
-            Self::Latex => format!("({text})^{{2}}"),
-            Self::SymPy => format!("({text})**2"),
-        }
-    }
-}
-
-/// Between the terms of a sum.
-fn sign(first: bool, negative: bool) -> &'static str {
-    match (first, negative) {
-        (true, false) => "",
-        (true, true) => "-",
-        (false, false) => " + ",
-        (false, true) => " - ",
     }
 }
 

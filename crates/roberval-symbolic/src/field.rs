@@ -11,6 +11,10 @@ use crate::naming::{Named, SymbolKind};
 use crate::relations::Route;
 use crate::rules::{ByRules, by_rules};
 
+/// Primes tried before a square root of the description counts as unobtainable: each prime
+/// has a given one with probability 1/2.
+const MOST_PRIMES: usize = 256;
+
 /// What each symbol is: a random number of the field, or as given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Value {
@@ -56,9 +60,23 @@ pub(crate) struct Oracle<'a> {
 }
 
 impl Oracle<'_> {
-    /// A random prime field for this robot's numbers.
-    pub fn modulus(&self, random: &mut SplitMix64) -> Modulus {
-        Modulus::new(random_prime(self.angles.get(), random))
+    /// A random prime field that has this robot's numbers, those given for symbols included.
+    pub fn modulus(&self, random: &mut SplitMix64) -> Result<Modulus, NotInField> {
+        let mut last = NotInField::Root;
+        for _ in 0..MOST_PRIMES {
+            let modulus = Modulus::new(random_prime(self.angles.get(), random));
+            let given = vec![Value::Given; self.named.symbols.len()];
+            let mut has = |point: &[Value]| {
+                let seed = random.next_u64();
+                self.at(&modulus, point, seed, |_, _, _| ())
+            };
+            let others = vec![Value::Number(2); given.len()];
+            match has(&given).and_then(|()| has(&others)) {
+                Err(error @ (NotInField::Root | NotInField::Inverse)) => last = error,
+                other => return other.map(|()| modulus),
+            }
+        }
+        Err(last)
     }
 
     /// Random values of all symbols.

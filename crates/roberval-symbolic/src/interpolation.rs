@@ -6,29 +6,48 @@ use roberval_scalar::{Fp, Modulus};
 
 use crate::lines::Local;
 use crate::polynomial::{Monomial, Polynomial, power};
+use crate::relations::Open;
+use crate::samples::Found;
 
-/// More unknown coefficients than these are not asked for.
-pub(crate) const MOST_MONOMIALS: usize = 500;
+/// More unknown coefficients than these are not asked for at once: [`crate::sparse`] does it.
+const MOST_MONOMIALS: usize = 250;
 
 /// Points beyond the unknown coefficients that check each interpolation.
 pub(crate) const CHECKS: usize = 2;
 
 /// What is known of an entry before its coefficients: a polynomial over a monomial.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Shape {
     /// What it is along each symbol that matters.
     pub locals: Vec<Local>,
     /// Number of lengths, the first of the variables.
     pub lengths: usize,
+    /// Number of variables.
+    pub variables: usize,
     /// The degrees in the lengths together that terms above may have.
     pub degrees: Vec<i16>,
 }
 
 impl Shape {
-    /// What stands below, of `count` variables.
-    pub fn below(&self, count: usize) -> Monomial {
-        let one = vec![0; count];
+    /// What stands below.
+    pub fn below(&self) -> Monomial {
+        let one = vec![0; self.variables];
         self.locals.iter().fold(one, |m, l| product(&m, &l.below))
+    }
+
+    /// What it is along the symbol that has this variable; `None` if that does not matter.
+    pub fn local(&self, variable: usize) -> Option<&Local> {
+        // A cosine and its sine are neighbours.
+        let last = self.variables - 1;
+        let next = if variable >= self.lengths {
+            variable + 1
+        } else {
+            variable
+        }
+        .min(last);
+        let is_in = |m: &Monomial| m[variable] > 0 || m[next] > 0;
+        let mut locals = self.locals.iter();
+        locals.find(|l| is_in(&l.below) || l.above.iter().any(is_in))
     }
 
     /// The monomials that may stand above it; `None` if there are too many.
@@ -57,25 +76,37 @@ pub(crate) fn total_degree(monomial: &Monomial, lengths: usize) -> i16 {
     monomial[..lengths].iter().map(|&e| i16::from(e)).sum()
 }
 
-fn product(a: &Monomial, b: &Monomial) -> Monomial {
+pub(crate) fn product(a: &Monomial, b: &Monomial) -> Monomial {
     a.iter().zip(b).map(|(x, y)| x + y).collect()
 }
 
 /// For each of several value lists, the polynomial with these monomials that takes them at
-/// the points; `None` where there is none with rational coefficients of moderate size.
+/// the points, if there is one with rational coefficients of moderate size.
 pub(crate) fn interpolate<'m>(
     modulus: &'m Modulus,
     monomials: &[Monomial],
     points: &[Vec<Fp<'m>>],
     values: &[Vec<Fp<'m>>],
-) -> Vec<Option<Polynomial>> {
-    let polynomial = |fit: Vec<Fp<'m>>| {
-        let terms = monomials.iter().zip(fit);
-        let term = |(m, c): (&Monomial, Fp<'m>)| Some((m.clone(), fraction(modulus, c)?));
-        Some(Polynomial::of(terms.map(term).collect::<Option<Vec<_>>>()?))
+) -> Vec<Found> {
+    let polynomial = |fit: Option<Vec<Fp<'m>>>| {
+        let terms = monomials
+            .iter()
+            .cloned()
+            .zip(fit.ok_or(Open::NotPolynomial)?);
+        rational(modulus, terms)
     };
     let fits = coefficients(modulus, monomials, points, values);
-    fits.into_iter().map(|fit| polynomial(fit?)).collect()
+    fits.into_iter().map(polynomial).collect()
+}
+
+/// The polynomial with the rational numbers that coefficients stand for.
+pub(crate) fn rational<'m>(
+    modulus: &Modulus,
+    terms: impl IntoIterator<Item = (Monomial, Fp<'m>)>,
+) -> Found {
+    let term = |(m, c): (Monomial, Fp<'m>)| Some((m, fraction(modulus, c)?));
+    let terms = terms.into_iter().map(term).collect::<Option<Vec<_>>>();
+    Ok(Polynomial::of(terms.ok_or(Open::NotRational)?))
 }
 
 /// For each of several value lists, the coefficients of these monomials whose sum takes them

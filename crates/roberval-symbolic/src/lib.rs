@@ -13,14 +13,17 @@ mod naming;
 mod polynomial;
 mod relations;
 mod rules;
+mod samples;
+mod sparse;
 mod special;
+mod verification;
 
 pub use factored::{Factored, Notation};
 pub use naming::{Named, Naming, Symbol, SymbolKind};
 pub use polynomial::{Monomial, Polynomial, Variable};
 pub use relations::{
-    Coefficient, Route, SymbolicError, SymbolicOptions, SymbolicRelations, Verification,
-    symbolic_relations,
+    Coefficient, Open, Route, SymbolicError, SymbolicOptions, SymbolicRelations, symbolic_relations,
 };
 pub use rules::Origin;
 pub use special::Special;
+pub use verification::Verification;

@@ -27,7 +27,7 @@ const BELOW_ANGLE: [[u8; 2]; 7] = [[0, 0], [1, 0], [0, 1], [1, 1], [2, 0], [0, 2
 
 /// An entry as a function of one symbol: a sum of these monomials, with coefficients that
 /// depend on the others, over a monomial.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Local {
     pub above: Vec<Monomial>,
     pub below: Monomial,
@@ -108,41 +108,30 @@ impl<'a, 'm> Line<'a, 'm> {
     fn candidates(&self) -> Vec<(Vec<Monomial>, Monomial)> {
         let named = self.oracle.named;
         let symbol = &named.symbols[self.symbol];
-        let before = |kind| {
-            let symbols = named.symbols[..self.symbol].iter();
-            symbols.filter(|s| s.kind == kind).count()
-        };
-        let all = |kind| named.symbols.iter().filter(|s| s.kind == kind).count();
-        let lengths = all(SymbolKind::Length);
-        let count = lengths + 2 * all(SymbolKind::Angle);
-        let monomial = |at: usize, exponents: &[u8]| {
+        let (at, count) = (named.variable(self.symbol), named.variables());
+        let monomial = |exponents: &[u8]| {
             let mut monomial = vec![0; count];
             monomial[at..at + exponents.len()].copy_from_slice(exponents);
             monomial
         };
         match symbol.kind {
             SymbolKind::Length => {
-                let at = before(SymbolKind::Length);
                 // Where `L^2` is a length all powers are twice as high.
                 let highest = symbol.degree.saturating_mul(HIGHEST_LENGTH_DEGREE);
                 let below = symbol.degree.saturating_mul(HIGHEST_LENGTH_BELOW);
                 let candidate = |e: u8| {
                     let above = 0..=highest.saturating_add(e);
-                    (
-                        above.map(|e| monomial(at, &[e])).collect(),
-                        monomial(at, &[e]),
-                    )
+                    (above.map(|e| monomial(&[e])).collect(), monomial(&[e]))
                 };
                 (0..=below).map(candidate).collect()
             }
             SymbolKind::Angle => {
-                let at = lengths + 2 * before(SymbolKind::Angle);
                 let uses = (2 * symbol.uses).min(HIGHEST_ANGLE_DEGREE) as u8;
                 let candidate = |[cos, sin]: [u8; 2]| {
                     let degree = uses + cos + sin;
-                    let cosines = (0..=degree).map(|e| monomial(at, &[e, 0]));
-                    let sines = (0..degree).map(|e| monomial(at, &[e, 1]));
-                    (cosines.chain(sines).collect(), monomial(at, &[cos, sin]))
+                    let cosines = (0..=degree).map(|e| monomial(&[e, 0]));
+                    let sines = (0..degree).map(|e| monomial(&[e, 1]));
+                    (cosines.chain(sines).collect(), monomial(&[cos, sin]))
                 };
                 BELOW_ANGLE.map(candidate).to_vec()
             }

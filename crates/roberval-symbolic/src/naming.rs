@@ -1,9 +1,17 @@
 //! Which constants of a robot are symbols.
 
+mod expressions;
+mod places;
+
+use std::collections::HashSet;
+
 use num_traits::Zero;
-use roberval_mechanism::{Geometry, RobotDescription};
+use roberval_mechanism::{Mechanism, RobotDescription};
 use roberval_regressor::whole_multiple;
 use roberval_scalar::{Expr, LinearInPi, Quantity};
+
+use expressions::{degrees, is_right, names, stands_in, under_root};
+use places::{Place, flat_couples, nameable, places};
 
 /// Higher powers of a constant in one length are not looked for.
 const MOST_DEGREE: usize = 8;
@@ -32,11 +40,13 @@ pub enum SymbolKind {
 pub struct Symbol {
     /// Its name, an identifier.
     pub name: String,
+    /// The name in relations: another where that is a parameter's (`M_2`) or a function's.
+    pub shown: String,
     /// What it stands for.
     pub kind: SymbolKind,
     /// The value that the robot's file gives.
     pub given: Quantity,
-    /// How often it stands in the geometry.
+    /// How often it stands in the geometry: an angle `2*A` counts twice.
     pub uses: usize,
     /// The highest power in which it enters one of its places: 2 in a length `L^2`.
     pub degree: u8,
@@ -51,32 +61,82 @@ pub struct Named {
     pub description: RobotDescription,
     /// The symbols, those of the file first.
     pub symbols: Vec<Symbol>,
+    /// Named constants that are right angles: numbers in the relations, but whether their
+    /// values are special is asked.
+    pub right: Vec<Symbol>,
     /// Named constants that stay numbers, and why.
     pub notes: Vec<String>,
 }
 
-/// Where a quantity of the geometry stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Place {
-    Length,
-    Angle,
-    Other,
-}
-
 impl Named {
-    /// The robot with its symbols. Right angles stay numbers; other constant angles, and
-    /// lengths that are no fractions, are symbols in any case.
+    /// The robot with its symbols. Right angles stay numbers; other constant angles, those
+    /// of couples included, and lengths that are no fractions, are symbols in any case.
     #[must_use]
-    pub fn new(robot: &RobotDescription, naming: Naming) -> Self {
+    pub fn new(robot: &Mechanism, naming: Naming) -> Self {
         let mut named = Self {
-            description: robot.clone(),
+            description: (*robot.description).clone(),
             symbols: Vec::new(),
+            right: Vec::new(),
             notes: Vec::new(),
         };
+        if let Some(couples) = flat_couples(robot) {
+            named.description.couples = couples;
+        }
         named.take_constants();
         let all = naming == Naming::All || named.symbols.is_empty();
         named.make_names(all);
+        named.tell_apart(robot.parameters().labels());
         named
+    }
+
+    /// Shows symbols by other names that have those of parameters or of functions.
+    fn tell_apart(&mut self, labels: &[String]) {
+        let regrouped = labels.iter().map(|label| label.replacen('_', "R_", 1));
+        let functions = ["cos", "sin", "f"].map(str::to_owned).into_iter();
+        let taken: HashSet<String> = labels
+            .iter()
+            .cloned()
+            .chain(regrouped)
+            .chain(functions)
+            .collect();
+        let constants = self.description.constants.iter();
+        let names: Vec<String> = constants.map(|(name, _)| name.clone()).collect();
+        let symbols = self.symbols.iter_mut().chain(&mut self.right);
+        for symbol in symbols.filter(|s| taken.contains(&s.name)) {
+            symbol.shown = free_name(&format!("const_{}", symbol.name), &names);
+        }
+    }
+
+    /// The same with named right angles as symbols.
+    #[must_use]
+    pub(crate) fn with_right_angles(&self) -> Self {
+        let mut named = self.clone();
+        named.symbols.append(&mut named.right);
+        named
+    }
+
+    /// The number of variables of the polynomials: one for a length, two for an angle.
+    pub(crate) fn variables(&self) -> usize {
+        2 * self.symbols.len() - self.lengths()
+    }
+
+    /// The place of a symbol's (first) variable: those of lengths come before those of angles.
+    pub(crate) fn variable(&self, symbol: usize) -> usize {
+        let kind = self.symbols[symbol].kind;
+        let before = self.symbols[..symbol]
+            .iter()
+            .filter(|s| s.kind == kind)
+            .count();
+        match kind {
+            SymbolKind::Length => before,
+            SymbolKind::Angle => self.lengths() + 2 * before,
+        }
+    }
+
+    /// The number of symbols that are lengths.
+    pub(crate) fn lengths(&self) -> usize {
+        let symbols = self.symbols.iter();
+        symbols.filter(|s| s.kind == SymbolKind::Length).count()
     }
 
     /// A bound of the degree of the position of any frame in the symbols that are lengths,
@@ -87,11 +147,10 @@ impl Named {
             let mut lengths = self.symbols.iter();
             lengths.any(|s| s.kind == SymbolKind::Length && s.name == name)
         };
-        let mut description = self.description.clone();
-        let constants = description.constants.clone();
-        let places = places(&mut description).into_iter();
+        let constants = &self.description.constants;
+        let places = places(&self.description).into_iter();
         let lengths = places.filter(|(place, _)| *place == Place::Length);
-        let all = lengths.map(|(_, q)| degrees(&q.expr, &constants, &symbol));
+        let all = lengths.map(|(_, q)| degrees(&q.expr, constants, &symbol));
         let (highest, below) = all.fold((1, 0), |(highest, sum), (above, below)| {
             (above.max(highest), sum + below)
         });
@@ -105,50 +164,23 @@ impl Named {
             if constants.iter().any(|(other, _)| names(&given.expr, other)) {
                 continue;
             }
-            let places: Vec<(Place, Quantity)> = places(&mut self.description)
+            let places: Vec<(Place, Quantity)> = places(&self.description)
                 .into_iter()
                 .filter(|(_, quantity)| stands_in(&quantity.expr, &constants, name))
-                .map(|(place, quantity)| (place, quantity.clone()))
                 .collect();
-            let right = is_right(given, &constants);
-            let kind = match &places[..] {
-                [] => continue,
-                _ if places.iter().all(|(place, _)| *place == Place::Length) => {
-                    let rooted = |(_, q): &(Place, Quantity)| under_root(&q.expr, &constants, name);
-                    match places.iter().any(rooted) {
-                        true => Err("stands under a square root"),
-                        false => Ok(SymbolKind::Length),
+            match kind(&places, given, &constants, name) {
+                None => {}
+                Some(Err(why)) => self.notes.push(format!("{name} stays a number: it {why}")),
+                Some(Ok(kind)) => {
+                    let symbol = symbol(name, kind, given, &places, &constants);
+                    if kind == SymbolKind::Angle && is_right(given, &constants) {
+                        let note = "stays a number in the relations: it is a right angle";
+                        self.notes.push(format!("{name} {note}"));
+                        self.right.push(symbol);
+                    } else {
+                        self.symbols.push(symbol);
                     }
                 }
-                _ if places.iter().all(|(place, _)| *place == Place::Angle) => {
-                    let whole = |(_, q): &(Place, Quantity)| {
-                        whole_multiple(&q.expr, &constants, name).is_some()
-                    };
-                    match (right, places.iter().all(whole)) {
-                        (true, _) => Err("is a right angle; other values of it are not asked"),
-                        (_, false) => Err("is not taken a whole number of times"),
-                        _ => Ok(SymbolKind::Angle),
-                    }
-                }
-                _ => Err("is more than a length or an angle"),
-            };
-            match kind {
-                Ok(kind) => self.symbols.push(Symbol {
-                    name: name.clone(),
-                    kind,
-                    given: given.clone(),
-                    uses: places.len(),
-                    degree: {
-                        let own = |other: &str| other == name;
-                        let degrees = places.iter().map(|(_, q)| {
-                            let (above, below) = degrees(&q.expr, &constants, &own);
-                            above.max(below)
-                        });
-                        degrees.max().unwrap_or(1).min(MOST_DEGREE) as u8
-                    },
-                    made: false,
-                }),
-                Err(why) => self.notes.push(format!("{name} stays a number: it {why}")),
             }
         }
     }
@@ -160,44 +192,103 @@ impl Named {
         let symbols: Vec<String> = self.symbols.iter().map(|s| s.name.clone()).collect();
         let mut taken: Vec<String> = constants.iter().map(|(name, _)| name.clone()).collect();
         let mut made: Vec<Symbol> = Vec::new();
-        for (link, description) in self.description.links.iter_mut().enumerate() {
-            for (letter, place, quantity) in geometry(&mut description.geometry) {
-                let symbolic = |s: &String| stands_in(&quantity.expr, &constants, s);
-                let wanted = !symbols.iter().any(symbolic)
-                    && match place {
-                        Place::Angle => !is_right(quantity, &constants),
-                        Place::Length => match LinearInPi::of(&quantity.expr, &constants) {
-                            Some(x) if x.half_turns.is_zero() => all && !x.rational.is_zero(),
-                            _ => true,
-                        },
-                        Place::Other => false,
-                    };
-                if !wanted {
-                    continue;
-                }
-                let name = free_name(&format!("{letter}{}", link + 1), &taken);
-                taken.push(name.clone());
-                made.push(Symbol {
-                    name: name.clone(),
-                    kind: match place {
-                        Place::Angle => SymbolKind::Angle,
-                        _ => SymbolKind::Length,
-                    },
-                    given: quantity.clone(),
-                    uses: 1,
-                    degree: 1,
-                    made: true,
-                });
-                *quantity = Quantity {
-                    text: name.clone(),
-                    expr: Expr::Name(name),
-                    value: quantity.value,
-                };
+        for (letters, place, quantity) in nameable(&mut self.description) {
+            let symbolic = |s: &String| stands_in(&quantity.expr, &constants, s);
+            let kind = match place {
+                Place::Angle => SymbolKind::Angle,
+                Place::Length => SymbolKind::Length,
+                Place::Other => continue,
+            };
+            let wanted = match kind {
+                SymbolKind::Angle => !is_right(quantity, &constants),
+                SymbolKind::Length => match LinearInPi::of(&quantity.expr, &constants) {
+                    Some(x) if x.half_turns.is_zero() => all && !x.rational.is_zero(),
+                    _ => true,
+                },
+            };
+            if !wanted || symbols.iter().any(symbolic) {
+                continue;
             }
+            let name = free_name(&letters, &taken);
+            taken.push(name.clone());
+            made.push(Symbol {
+                shown: name.clone(),
+                name: name.clone(),
+                kind,
+                given: quantity.clone(),
+                uses: 1,
+                degree: 1,
+                made: true,
+            });
+            *quantity = Quantity {
+                text: name.clone(),
+                expr: Expr::Name(name),
+                value: quantity.value,
+            };
         }
         let constants = made.iter().map(|s| (s.name.clone(), s.given.clone()));
         self.description.constants.extend(constants);
         self.symbols.extend(made);
+    }
+}
+
+/// What a constant that stands in these places can be a symbol for; `None` if in none.
+fn kind(
+    places: &[(Place, Quantity)],
+    given: &Quantity,
+    constants: &[(String, Quantity)],
+    name: &str,
+) -> Option<Result<SymbolKind, &'static str>> {
+    let all = |wanted: Place| places.iter().all(|(place, _)| *place == wanted);
+    let rooted = |(_, q): &(Place, Quantity)| under_root(&q.expr, constants, name);
+    let whole = |(_, q): &(Place, Quantity)| whole_multiple(&q.expr, constants, name).is_some();
+    if places.is_empty() {
+        return None;
+    }
+    Some(if all(Place::Length) {
+        match places.iter().any(rooted) {
+            true => Err("stands under a square root"),
+            false => Ok(SymbolKind::Length),
+        }
+    } else if all(Place::Angle) {
+        match (is_right(given, constants), places.iter().all(whole)) {
+            (_, true) => Ok(SymbolKind::Angle),
+            (true, false) => Err("is a right angle; other values of it are not asked"),
+            (false, false) => Err("is not taken a whole number of times"),
+        }
+    } else {
+        Err("is more than a length or an angle")
+    })
+}
+
+/// A named constant as a symbol, with the places where it stands.
+fn symbol(
+    name: &str,
+    kind: SymbolKind,
+    given: &Quantity,
+    places: &[(Place, Quantity)],
+    constants: &[(String, Quantity)],
+) -> Symbol {
+    let own = |other: &str| other == name;
+    let degrees = places.iter().map(|(_, q)| {
+        let (above, below) = degrees(&q.expr, constants, &own);
+        above.max(below)
+    });
+    let times = |(_, q): &(Place, Quantity)| match kind {
+        SymbolKind::Length => 1,
+        SymbolKind::Angle => {
+            let times = whole_multiple(&q.expr, constants, name).unwrap_or(1);
+            usize::try_from(times.unsigned_abs()).unwrap_or(usize::MAX)
+        }
+    };
+    Symbol {
+        name: name.to_owned(),
+        shown: name.to_owned(),
+        kind,
+        given: given.clone(),
+        uses: places.iter().map(times).fold(0, usize::saturating_add),
+        degree: degrees.max().unwrap_or(1).min(MOST_DEGREE) as u8,
+        made: false,
     }
 }
 
@@ -212,131 +303,4 @@ fn free_name(name: &str, taken: &[String]) -> String {
             .find(free)
             .expect("names do not end")
     })
-}
-
-/// The quantities of a link's geometry with the letters that name them.
-fn geometry(geometry: &mut Geometry) -> Vec<(&'static str, Place, &mut Quantity)> {
-    match geometry {
-        Geometry::Mdh(g) => vec![
-            ("gamma", Place::Angle, &mut g.gamma),
-            ("b", Place::Length, &mut g.b),
-            ("alpha", Place::Angle, &mut g.alpha),
-            ("d", Place::Length, &mut g.d),
-            ("theta", Place::Angle, &mut g.theta),
-            ("r", Place::Length, &mut g.r),
-        ],
-        Geometry::Placed { origins, axis } => {
-            let mut all = Vec::new();
-            for origin in origins {
-                let letters = ["x", "y", "z"].into_iter();
-                all.extend(
-                    letters
-                        .zip(&mut origin.xyz)
-                        .map(|(l, q)| (l, Place::Length, q)),
-                );
-                let letters = ["roll", "pitch", "yaw"].into_iter();
-                all.extend(
-                    letters
-                        .zip(&mut origin.rpy)
-                        .map(|(l, q)| (l, Place::Angle, q)),
-                );
-            }
-            all.extend(axis.iter_mut().map(|q| ("axis", Place::Other, q)));
-            all
-        }
-    }
-}
-
-/// All quantities that the analysis depends on.
-fn places(robot: &mut RobotDescription) -> Vec<(Place, &mut Quantity)> {
-    let gravity = robot.gravity.iter_mut().map(|q| (Place::Other, q));
-    let links = robot.links.iter_mut();
-    let of_links = links.flat_map(|link| geometry(&mut link.geometry));
-    let couples = robot.couples.iter_mut().flat_map(|couple| {
-        let multipliers = couple.terms.iter_mut().map(|term| &mut term.multiplier);
-        multipliers.chain([&mut couple.offset])
-    });
-    gravity
-        .chain(of_links.map(|(_, place, quantity)| (place, quantity)))
-        .chain(couples.map(|quantity| (Place::Other, quantity)))
-        .collect()
-}
-
-/// Whether an angle is a multiple of 90 degrees.
-fn is_right(angle: &Quantity, constants: &[(String, Quantity)]) -> bool {
-    LinearInPi::of(&angle.expr, constants).is_some_and(|x| {
-        let quarters = x.half_turns * num_bigint::BigInt::from(2);
-        x.rational.is_zero() && quarters.is_integer()
-    })
-}
-
-/// Whether an expression uses a name itself.
-fn names(expr: &Expr, name: &str) -> bool {
-    find(expr, &mut |e| matches!(e, Expr::Name(own) if own == name))
-}
-
-/// Whether an expression depends on a constant, be it through others.
-fn stands_in(expr: &Expr, constants: &[(String, Quantity)], name: &str) -> bool {
-    find(expr, &mut |e| match e {
-        Expr::Name(own) if own == name => true,
-        Expr::Name(other) => {
-            let at = constants.iter().position(|(n, _)| n == other);
-            at.is_some_and(|at| stands_in(&constants[at].1.expr, &constants[..at], name))
-        }
-        _ => false,
-    })
-}
-
-/// Whether an expression takes a square root of something that depends on a constant.
-fn under_root(expr: &Expr, constants: &[(String, Quantity)], name: &str) -> bool {
-    find(expr, &mut |e| match e {
-        Expr::Sqrt(inner) => stands_in(inner, constants, name),
-        Expr::Name(other) => {
-            let at = constants.iter().position(|(n, _)| n == other);
-            at.is_some_and(|at| under_root(&constants[at].1.expr, &constants[..at], name))
-        }
-        _ => false,
-    })
-}
-
-/// Degrees of an expression, above and below, in the constants that are symbols.
-fn degrees(
-    expr: &Expr,
-    constants: &[(String, Quantity)],
-    symbol: &dyn Fn(&str) -> bool,
-) -> (usize, usize) {
-    let of = |inner: &Expr| degrees(inner, constants, symbol);
-    match expr {
-        Expr::Number(_) | Expr::Pi => (0, 0),
-        Expr::Name(name) if symbol(name) => (1, 0),
-        Expr::Name(name) => match constants.iter().position(|(n, _)| n == name) {
-            Some(at) => degrees(&constants[at].1.expr, &constants[..at], symbol),
-            None => (0, 0),
-        },
-        Expr::Neg(a) | Expr::Sqrt(a) => of(a),
-        Expr::Add(a, b) | Expr::Sub(a, b) => {
-            let ((a, below_a), (b, below_b)) = (of(a), of(b));
-            ((a + below_b).max(b + below_a), below_a + below_b)
-        }
-        Expr::Mul(a, b) => {
-            let ((a, below_a), (b, below_b)) = (of(a), of(b));
-            (a + b, below_a + below_b)
-        }
-        Expr::Div(a, b) => {
-            let ((a, below_a), (b, below_b)) = (of(a), of(b));
-            (a + below_b, below_a + b)
-        }
-    }
-}
-
-/// Whether a part of an expression is such.
-fn find(expr: &Expr, such: &mut impl FnMut(&Expr) -> bool) -> bool {
-    such(expr)
-        || match expr {
-            Expr::Number(_) | Expr::Name(_) | Expr::Pi => false,
-            Expr::Neg(a) | Expr::Sqrt(a) => find(a, such),
-            Expr::Add(a, b) | Expr::Sub(a, b) | Expr::Mul(a, b) | Expr::Div(a, b) => {
-                find(a, such) || find(b, such)
-            }
-        }
 }

@@ -2,15 +2,16 @@
 
 mod common;
 
-use common::{exact, relations, texts, with_random_lengths};
+use common::{exact, relations, texts, with_random_lengths, with_random_values};
 use roberval_base::{ExactNumber, Model, Options, base_parameters, decide_exactly};
 use roberval_formats::{load, parse_toml};
 use roberval_mechanism::{Mechanism, RobotDescription, SourceFormat};
 use roberval_scalar::SplitMix64;
 use roberval_symbolic::{
-    Coefficient, Naming, Origin, Route, SymbolicOptions, SymbolicRelations, Variable,
+    Coefficient, Naming, Open, Origin, Route, SymbolicError, SymbolicOptions, SymbolicRelations,
+    Variable, symbolic_relations,
 };
-use roberval_testkit::{Angles, Family};
+use roberval_testkit::{Angles, Family, coupled};
 
 /// Values of polynomials in doubles against beta in doubles.
 const TOLERANCE: f64 = 1e-9;
@@ -134,87 +135,192 @@ fn special_values_are_told_with_what_they_do() {
     assert_eq!(special.fewer, answer.base.len() - decision.kept.len());
 }
 
-/// Generated chains and trees with made names: values at the given lengths and angles are
-/// beta in doubles wherever these are not special.
-#[test]
-fn at_the_given_values_they_are_the_relations_in_numbers() {
-    let (mut compared, mut with_angles) = (0, 0);
-    for seed in 0..40 {
-        let family = Family {
-            links: (2, 6),
-            angles: if seed % 2 == 0 {
-                Angles::Right
-            } else {
-                Angles::Mixed
-            },
-            format: if seed % 4 < 2 {
-                SourceFormat::Mdh
-            } else {
-                SourceFormat::Urdf
-            },
-            ..Family::default()
-        };
-        let robot = family.robot(seed);
-        let answer = relations(&robot, &SymbolicOptions::default());
-        if !answer.special.is_empty() {
-            continue;
-        }
-        let mechanism = Mechanism::new(&robot).expect("a valid robot");
-        let numbers = base_parameters(&mechanism, &Options::default()).expect("an answer");
-        assert_eq!(answer.base, numbers.base, "robot {seed}");
-        let given = |name: &str| {
-            let mut symbols = answer.named.symbols.iter();
-            symbols
-                .find(|s| s.name == name)
-                .expect("a symbol")
-                .given
-                .value
-        };
-        let at: Vec<f64> = answer
-            .variables
-            .iter()
-            .map(|variable| match variable {
-                Variable::Length(name) => given(name),
-                Variable::Cos(name) => given(name).cos(),
-                Variable::Sin(name) => given(name).sin(),
-            })
-            .collect();
-        with_angles += usize::from(
-            answer
-                .variables
-                .iter()
-                .any(|v| matches!(v, Variable::Cos(_))),
-        );
-        for (i, row) in answer.beta.iter().enumerate() {
-            for (j, coefficient) in row.iter().enumerate() {
-                let value = match coefficient {
-                    None => 0.0,
-                    Some(Coefficient::Open(_)) => continue,
-                    Some(Coefficient::Quotient {
-                        numerator,
-                        denominator,
-                    }) => {
-                        let below: f64 = denominator
-                            .iter()
-                            .zip(&at)
-                            .map(|(e, x)| x.powi(i32::from(*e)))
-                            .product();
-                        numerator.to_f64(&at) / below
-                    }
-                };
-                compared += 1;
-                let error = (value - numbers.beta[(i, j)]).abs();
-                assert!(
-                    error < TOLERANCE * (1.0 + value.abs()),
-                    "robot {seed}: {value}"
-                );
-            }
+/// Compares formulas with beta in doubles at other values of the symbols; gives the number of
+/// entries that are compared and of those that are open.
+fn compared_at_random_values(
+    answer: &SymbolicRelations,
+    random: &mut SplitMix64,
+) -> (usize, usize) {
+    let (robot, values) = with_random_values(answer, random);
+    let name = &answer.mechanism.name;
+    let mechanism = Mechanism::new(&robot).expect("a valid robot");
+    let numbers = base_parameters(&mechanism, &Options::default()).expect("an answer");
+    assert_eq!(answer.base, numbers.base, "{name}");
+    let at: Vec<f64> = answer
+        .variables
+        .iter()
+        .map(|variable| match variable {
+            Variable::Length(name) => values[name],
+            Variable::Cos(name) => values[name].cos(),
+            Variable::Sin(name) => values[name].sin(),
+        })
+        .collect();
+    let (mut compared, mut open) = (0, 0);
+    for (i, row) in answer.beta.iter().enumerate() {
+        for (j, coefficient) in row.iter().enumerate() {
+            let value = match coefficient {
+                None => 0.0,
+                Some(Coefficient::Open { .. }) => {
+                    open += 1;
+                    continue;
+                }
+                Some(Coefficient::Quotient {
+                    numerator,
+                    denominator,
+                }) => {
+                    let powers = denominator.iter().zip(&at);
+                    let below: f64 = powers.map(|(e, x)| x.powi(i32::from(*e))).product();
+                    numerator.to_f64(&at) / below
+                }
+            };
+            compared += 1;
+            let error = (value - numbers.beta[(i, j)]).abs();
+            let allowed = TOLERANCE * (1.0 + value.abs());
+            assert!(error < allowed, "{name}: {value} {}", numbers.beta[(i, j)]);
         }
     }
-    assert!(
-        compared > 1000 && with_angles > 5,
-        "{compared} {with_angles}"
-    );
+    (compared, open)
+}
+
+/// The k-th kind of robots: angles and format in turn.
+fn family(k: u64, angles: &[Angles]) -> Family {
+    Family {
+        links: (2, 6),
+        angles: angles[k as usize % angles.len()],
+        format: [SourceFormat::Mdh, SourceFormat::Urdf][k as usize / angles.len() % 2],
+        ..Family::default()
+    }
+}
+
+/// Generated chains and trees with made names.
+#[test]
+fn relations_of_chains_and_trees_are_beta_at_random_lengths_and_angles() {
+    let (mut compared, mut with_angles) = (0, 0);
+    let mut random = SplitMix64::new(1);
+    for seed in 0..60 {
+        let robot = family(seed, &[Angles::Right, Angles::Mixed, Angles::Oblique]).robot(seed);
+        let answer = relations(&robot, &SymbolicOptions::default());
+        let mut variables = answer.variables.iter();
+        with_angles += usize::from(variables.any(|v| matches!(v, Variable::Cos(_))));
+        for _ in 0..2 {
+            compared += compared_at_random_values(&answer, &mut random).0;
+        }
+    }
+    let enough = compared > 5000 && with_angles > 20;
+    assert!(enough, "{compared} {with_angles}");
+}
+
+/// Offsets of couples are symbols as angles of the geometry are, in chains of couples too.
+#[test]
+fn relations_of_couples_with_offsets_are_beta_at_random_lengths_and_angles() {
+    let (mut compared, mut open, mut offsets) = (0, 0, 0);
+    let mut random = SplitMix64::new(2);
+    for seed in 0..60 {
+        let robot = family(seed, &[Angles::Right, Angles::Mixed]).robot(seed);
+        let answer = relations(&coupled(robot, seed), &SymbolicOptions::default());
+        let mut symbols = answer.named.symbols.iter();
+        offsets += usize::from(symbols.any(|s| s.name.starts_with("offset")));
+        let (more, left) = compared_at_random_values(&answer, &mut random);
+        compared += more;
+        open += left;
+    }
+    // Where axes are oblique and couples tie joints far apart, some are quotients by sums.
+    assert!(compared > 2000 && offsets > 20, "{compared} {offsets}");
+    assert!(open * 10 < compared, "{open} of {compared}");
+}
+
+/// The third joint follows the second at an angle: relations in its cosine and sine.
+#[test]
+fn the_offset_of_a_couple_is_an_angle() {
+    let text = |offset: &str| {
+        format!(
+            "name = \"offset\"\n[constants]\nA = \"30 deg\"\nL = 0.5\n\
+             [[link]]\nname = \"1\"\nalpha = 0\nd = 0\nr = 0\n\
+             [[link]]\nname = \"2\"\nalpha = \"90 deg\"\nd = \"L\"\nr = 0\n\
+             [[link]]\nname = \"3\"\nalpha = 0\nd = \"L\"\nr = 0.1\n\
+             [[couple]]\njoint = \"3\"\nequals = {{ 2 = -1 }}\noffset = {offset}\n"
+        )
+    };
+    for (offset, name) in [("\"A\"", "A"), ("0.3", "offset3"), ("\"pi/7\"", "offset3")] {
+        let robot = parse_toml(&text(offset), "offset.toml").expect("a robot");
+        let answer = relations(&robot, &SymbolicOptions::default());
+        let first = format!(
+            "ZZ_1 + Ia_1 + YY_2 + L^2 M_2 + sin({name})^2 XX_3 + 2 cos({name}) sin({name}) XY_3 \
+             + cos({name})^2 YY_3 + 0.2 MZ_3 + (2 L^2 + 0.01) M_3"
+        );
+        assert_eq!(answer.named.notes.len(), 0, "{:?}", answer.named.notes);
+        let mut found: Vec<String> = texts(&answer)[0].split(" + ").map(str::to_owned).collect();
+        let mut wanted: Vec<String> = first.split(" + ").map(str::to_owned).collect();
+        found.sort();
+        wanted.sort();
+        assert_eq!(found, wanted);
+    }
+}
+
+/// Chains of general angles: a coefficient of many terms in the cosines and sines of all.
+#[test]
+fn long_coefficients_are_found_one_symbol_after_another() {
+    let robot = parse_toml(GENERAL, "general.toml").expect("a robot");
+    let answer = relations(&robot, &SymbolicOptions::default());
+    let terms = |c: &Coefficient| match c {
+        Coefficient::Quotient { numerator, .. } => numerator.terms.len(),
+        Coefficient::Open { why, .. } => panic!("{why:?}"),
+    };
+    let longest = answer.beta.iter().flatten().flatten().map(terms).max();
+    assert!(longest > Some(20), "{longest:?}");
+    compared_at_random_values(&answer, &mut SplitMix64::new(3));
+}
+
+/// A link on two fixed ones, each placed by two general angles.
+const GENERAL: &str = "name = \"general\"\n\
+    [[link]]\nname = \"1\"\nalpha = 0.4\nd = 0.1\nr = 0.2\n\
+    [[link]]\nname = \"2\"\nalpha = 0.7\nd = 0.3\nr = 0.2\n\
+    [[link]]\nname = \"3\"\njoint = \"fixed\"\nalpha = 0.3\nd = 0.1\ntheta = 0.9\nr = 0.2\n\
+    [[link]]\nname = \"4\"\njoint = \"fixed\"\nalpha = 0.5\nd = 0.1\ntheta = 0.6\nr = 0.2\n";
+
+/// What stays open says why.
+#[test]
+fn what_has_no_formula_says_why() {
+    let mut reasons = Vec::new();
+    for seed in 0..30 {
+        let robot = family(seed, &[Angles::Oblique]).robot(seed);
+        let answer = relations(&coupled(robot, seed), &SymbolicOptions::default());
+        let entries = answer.beta.iter().flatten().flatten();
+        reasons.extend(entries.filter_map(|c| match c {
+            Coefficient::Open { why, symbols } => Some((*why, symbols.is_empty())),
+            Coefficient::Quotient { .. } => None,
+        }));
+    }
+    assert!(reasons.iter().any(|(why, _)| *why == Open::NotPolynomial));
+    let constant = |(why, alone): &(Open, bool)| !alone || *why == Open::NotRational;
+    assert!(reasons.iter().all(constant), "{reasons:?}");
+}
+
+/// A parallelogram given by its loop has the relations of the couples that it is.
+#[test]
+fn a_parallelogram_given_by_its_loop_has_relations() {
+    let text = |side: f64| {
+        format!(
+            "name = \"loop\"\n[constants]\nL = 0.5\nH = 0.3\n\
+             [[link]]\nname = \"1\"\nantecedent = \"base\"\nalpha = \"90 deg\"\nd = 0\nr = 0\n\
+             [[link]]\nname = \"2\"\nalpha = 0\nd = \"L\"\nr = 0\n\
+             [[link]]\nname = \"3\"\nantecedent = \"base\"\nalpha = \"90 deg\"\nd = 0.3\nr = 0\n\
+             [[loop]]\nbetween = [\"2\", \"3\"]\nat = [[0.3, 0, 0], [{side}, 0, 0]]\n\
+             cut = \"revolute\"\nnear = {{ 1 = 1, 2 = -1, 3 = 1 }}\n"
+        )
+    };
+    let robot = parse_toml(&text(0.5), "loop.toml").expect("a robot");
+    let answer = relations(&robot, &SymbolicOptions::default());
+    assert_eq!(answer.loops.len(), 2);
+    let mechanism = Mechanism::new(&robot).expect("a mechanism");
+    let numbers = base_parameters(&mechanism, &Options::default()).expect("an answer");
+    assert_eq!(answer.base.len(), numbers.base.len());
+    let joined = texts(&answer).join("\n");
+    assert!(joined.contains("L"), "{joined}");
+    let other = parse_toml(&text(0.45), "loop.toml").expect("a robot");
+    let mechanism = Mechanism::new(&other).expect("a mechanism");
+    let refused = symbolic_relations(&mechanism, &SymbolicOptions::default());
+    assert_eq!(refused.map(|_| ()), Err(SymbolicError::Loops));
 }
 
 /// Lengths that are products of constants: polynomials of a higher degree than the units say.
@@ -373,9 +479,9 @@ fn coefficients_stay_open_on_one_robot_of_ten_at_most() {
         let entries: Vec<_> = answer.beta.iter().flatten().flatten().collect();
         let divided = |c: &&&Coefficient| match c {
             Coefficient::Quotient { denominator, .. } => denominator.iter().any(|e| *e > 0),
-            Coefficient::Open(_) => false,
+            Coefficient::Open { .. } => false,
         };
-        let is_open = |c: &&Coefficient| matches!(c, Coefficient::Open(_));
+        let is_open = |c: &&Coefficient| matches!(c, Coefficient::Open { .. });
         open += usize::from(entries.iter().copied().any(|c| is_open(&c)));
         quotients += entries.iter().filter(divided).count();
     }

@@ -137,7 +137,7 @@ pub fn base(answer: &BaseParameters, format: Format) -> String {
     }
 }
 
-/// The relations of a robot in symbols. There is no CSV of them: text stands for it.
+/// The relations of a robot in symbols. CSV has a row for each term of a sum.
 #[must_use]
 pub fn symbolic(answer: &SymbolicRelations, format: Format) -> String {
     match format {

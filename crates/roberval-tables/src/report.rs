@@ -8,10 +8,11 @@ mod decision;
 mod downloads;
 mod grid;
 mod heat;
-mod html;
+pub(crate) mod html;
 mod math;
 mod skeleton;
 mod spectrum;
+mod symbols;
 mod tree;
 mod values;
 
@@ -36,6 +37,7 @@ pub(crate) fn page(answer: &BaseParameters) -> String {
         skeleton::section(answer),
         grid::section(answer),
         math::section(answer),
+        symbols::section(answer),
         heat::section(answer),
         values::section(answer),
         spectrum::section(answer),

@@ -1,15 +1,17 @@
 //! Relations in symbols: `XXR_2 = XX_2 - YY_2 - D3^2 (M_3 + M_4)`.
 
-use roberval_symbolic::{
-    Coefficient, Factored, Notation, Origin, Route, Special, SymbolKind, SymbolicRelations,
-};
-use serde_json::{Map, Value, json};
+mod document;
+mod json;
 
-use crate::document::{Block, Document};
-use crate::json::pretty;
+use roberval_symbolic::{Coefficient, Factored, Notation, Open, Origin, SymbolicRelations};
+
+pub(crate) use document::document;
+pub(crate) use json::json;
+
 use crate::number::size;
 use crate::relation::{Label, Term, pieces};
-use crate::{csv_text, escape, latex, robot};
+use crate::report::html::text as html;
+use crate::{csv_text, escape, latex};
 
 /// `left = first + terms`.
 #[derive(Debug, Clone)]
@@ -26,8 +28,8 @@ pub(crate) struct Formula {
 /// Parameters of one kind with one coefficient.
 #[derive(Debug, Clone)]
 struct Group {
-    /// `None`: no polynomial; with the symbols it depends on.
-    coefficient: Result<Factored, Vec<String>>,
+    /// Or the symbols it depends on, and why it is no more than that.
+    coefficient: Result<Factored, (Vec<String>, Open)>,
     members: Vec<Label>,
     columns: Vec<usize>,
 }
@@ -64,6 +66,30 @@ impl Formula {
         }
         if !self.made_by.is_empty() {
             text += &format!("\\quad[\\text{{{}}}]", self.made_by);
+        }
+        text
+    }
+
+    /// The formula in HTML; a line may break before its signs.
+    pub fn html(&self) -> String {
+        let label = |label: &Label| {
+            let r = if label.regrouped { "R" } else { "" };
+            let link = html(&escape::plain(&label.link));
+            format!("{}{r}<sub>{link}</sub>", label.kind)
+        };
+        let mut text = format!("{}\u{a0}=\u{a0}{}", label(&self.left), label(&self.first));
+        for group in &self.groups {
+            let sign = if group.negative() { "\u{2212}" } else { "+" };
+            let factor = match group.factor(Notation::Html) {
+                factor if factor.is_empty() => factor,
+                factor => factor + "\u{a0}",
+            };
+            let members: Vec<String> = group.members.iter().map(label).collect();
+            let members = match &members[..] {
+                [one] => one.clone(),
+                _ => format!("({})", members.join(" +\u{a0}")),
+            };
+            text += &format!(" {sign}\u{a0}{factor}{members}");
         }
         text
     }
@@ -107,10 +133,11 @@ impl Group {
     fn factor(&self, notation: Notation) -> String {
         match &self.coefficient {
             Ok(factored) => factored.text(notation),
-            Err(symbols) => {
+            Err((symbols, _)) => {
                 let of = symbols.join(", ");
                 match notation {
                     Notation::Latex => format!("f(\\text{{{}}})", escape::latex(&of)),
+                    Notation::Html => format!("<i>f</i>({})", html(&of)),
                     _ => format!("f({of})"),
                 }
             }
@@ -119,7 +146,7 @@ impl Group {
 }
 
 /// The relations that are not trivial.
-fn formulas(answer: &SymbolicRelations) -> Vec<Formula> {
+pub(crate) fn formulas(answer: &SymbolicRelations) -> Vec<Formula> {
     let rows = answer.base.iter().zip(&answer.beta);
     let rows = rows.filter(|(_, row)| row.iter().any(Option::is_some));
     rows.map(|(&base, row)| Formula {
@@ -151,8 +178,9 @@ fn groups(answer: &SymbolicRelations, row: &[Option<Coefficient>]) -> Vec<Group>
         };
         let member = label(answer, column, false);
         let coefficient = match coefficient {
-            Coefficient::Open(symbols) => Err(symbols.clone()),
-            quotient => Factored::of(quotient, &answer.variables).ok_or_else(Vec::new),
+            Coefficient::Open { symbols, why } => Err((symbols.clone(), *why)),
+            quotient => Factored::of(quotient, &answer.variables)
+                .ok_or_else(|| (Vec::new(), Open::NotPolynomial)),
         };
         let bracket = coefficient.as_ref().is_ok_and(|c| !c.is_unit());
         let same = groups.iter_mut().find(|group| {
@@ -174,84 +202,6 @@ fn groups(answer: &SymbolicRelations, row: &[Option<Coefficient>]) -> Vec<Group>
     groups
 }
 
-/// The answer for people.
-pub(crate) fn document(answer: &SymbolicRelations) -> Document {
-    let origins = origins(answer);
-    let mut formulas = formulas(answer);
-    for formula in &mut formulas {
-        formula.made_by = letters(&formula.made_by(&origins));
-    }
-    let mut lines = vec![robot::joints_and_gravity(&answer.mechanism)];
-    lines.extend(symbols(answer));
-    lines.extend(tally(answer));
-    lines.push(format!(
-        "Verified at random values in {} prime fields, failure probability below {}",
-        answer.verification.primes.len(),
-        size(answer.verification.failure_probability)
-    ));
-    lines.extend(
-        answer
-            .named
-            .notes
-            .iter()
-            .map(|note| format!("note: {note}")),
-    );
-    lines.extend(specials(answer));
-    lines.extend(quotients(answer));
-    lines.extend(open(&formulas));
-    let mut blocks = vec![
-        Block::Title(answer.mechanism.name.clone()),
-        Block::Lines(lines),
-        Block::Heading("Relations".to_owned()),
-        Block::Formulas(formulas),
-        Block::Heading("Where they come from".to_owned()),
-    ];
-    let lists = origins
-        .into_iter()
-        .enumerate()
-        .map(|(at, (origin, columns))| {
-            let labels = columns.iter().map(|&c| label(answer, c, false)).collect();
-            Block::List(format!("[{}] {origin}:", letters(&[at])), labels)
-        });
-    blocks.extend(lists);
-    blocks
-}
-
-/// How many parameters there are of each kind.
-fn tally(answer: &SymbolicRelations) -> Vec<String> {
-    let (gone, idle) = (answer.regrouped.len(), answer.no_effect.len());
-    let others = format!("{gone} regrouped away, {idle} without effect");
-    let left = answer.base.len();
-    if answer.route == Route::Whole {
-        let base = "base parameters for generic values of the symbols";
-        return vec![format!("{left} {base}; {others}")];
-    }
-    let all = answer.parameters.len();
-    let then = match &answer.left_over[..] {
-        [] => format!("The numerical method on these {left} removes none: they are the base"),
-        more => {
-            let labels = more.iter().map(|&c| label(answer, c, false).text());
-            let labels = labels.collect::<Vec<_>>().join(", ");
-            let base = left - more.len();
-            let count = more.len();
-            format!(
-                "The numerical method on these {left} removes {count} ({labels}): {base} are base"
-            )
-        }
-    };
-    let rules = "The closed-form rules alone, for generic values of the symbols, leave";
-    vec![
-        format!("{rules} {left} of {all} parameters; {others}"),
-        then,
-    ]
-}
-
-/// `a, c` for the first and the third.
-fn letters(places: &[usize]) -> String {
-    let letter = |&at: &usize| char::from(b'a' + at as u8).to_string();
-    places.iter().map(letter).collect::<Vec<_>>().join(", ")
-}
-
 /// The parameters that go, by the rule or elimination that removes them.
 fn origins(answer: &SymbolicRelations) -> Vec<(Origin, Vec<usize>)> {
     let mut all: Vec<(Origin, Vec<usize>)> = Vec::new();
@@ -265,129 +215,13 @@ fn origins(answer: &SymbolicRelations) -> Vec<(Origin, Vec<usize>)> {
     all
 }
 
-fn symbols(answer: &SymbolicRelations) -> Vec<String> {
-    let of = |kind: SymbolKind, word: &str| {
-        let symbols = answer.named.symbols.iter().filter(|s| s.kind == kind);
-        let listed: Vec<String> = symbols
-            .map(|s| format!("{} = {}", s.name, s.given))
-            .collect();
-        (!listed.is_empty()).then(|| format!("{word}: {}", listed.join(", ")))
-    };
-    let lengths = of(SymbolKind::Length, "Lengths in m");
-    lengths
-        .into_iter()
-        .chain(of(SymbolKind::Angle, "Angles"))
-        .collect()
-}
-
-fn specials(answer: &SymbolicRelations) -> Vec<String> {
-    let count = |n: usize| match n {
-        1 => "1 more parameter".to_owned(),
-        n => format!("{n} more parameters"),
-    };
-    let special = answer.special.iter().map(|special: &Special| {
-        let regrouped = special.fewer.saturating_sub(special.without_effect);
-        let idle = special.without_effect.min(special.fewer);
-        let what = match (regrouped, idle) {
-            (n, 0) => format!("{} regroup{}", count(n), if n == 1 { "s" } else { "" }),
-            (0, n) => format!("{} lose{} effect", count(n), if n == 1 { "s" } else { "" }),
-            (n, k) => format!("{} regroup or lose effect ({k})", count(n + k)),
-        };
-        let gone = special.gone.iter().map(|&c| label(answer, c, false).text());
-        let gone = gone.collect::<Vec<_>>().join(", ");
-        let values = special.values.join(", ");
-        format!("special values: with {values}, {what}: {gone}")
-    });
-    special.collect()
-}
-
-/// Where a relation is no polynomial.
-fn quotients(answer: &SymbolicRelations) -> Option<String> {
-    let entries = answer.beta.iter().flatten().flatten();
-    let divided = |c: &&Coefficient| match c {
-        Coefficient::Quotient { denominator, .. } => denominator.iter().any(|e| *e > 0),
-        Coefficient::Open(_) => false,
-    };
-    match entries.filter(divided).count() {
-        0 => None,
-        1 => Some("1 coefficient is no polynomial but a quotient".to_owned()),
-        n => Some(format!("{n} coefficients are no polynomials but quotients")),
-    }
-}
-
-fn open(formulas: &[Formula]) -> Option<String> {
-    let groups = formulas.iter().flat_map(|f| &f.groups);
-    let open = groups.filter(|g| g.coefficient.is_err()).count();
-    let what = match open {
-        0 => return None,
-        1 => "1 coefficient, written f(symbols), is".to_owned(),
-        n => format!("{n} coefficients, written f(symbols), are"),
-    };
-    Some(format!(
-        "{what} no polynomial over a monomial, or of too many terms; values: base without --symbolic"
-    ))
-}
-
-/// The answer for programs.
-pub(crate) fn json(answer: &SymbolicRelations) -> String {
-    let labels = answer.parameters.labels();
-    let names = sympy_names(answer);
-    let list =
-        |columns: &[usize]| -> Vec<&str> { columns.iter().map(|&c| labels[c].as_str()).collect() };
-    let symbols = answer.named.symbols.iter().map(|s| {
-        let kind = match s.kind {
-            SymbolKind::Length => "length",
-            SymbolKind::Angle => "angle",
-        };
-        let sympy = Notation::SymPy.name(&s.name);
-        json!({
-            "name": s.name, "kind": kind, "given": s.given.text, "value": s.given.value,
-            "sympy": sympy,
-        })
-    });
-    let (formulas, by_origin) = (formulas(answer), origins(answer));
-    let relations = formulas.iter().map(|formula| {
-        let right = formula.pieces()[2..].join(" ");
-        let made_by = formula.made_by(&by_origin).into_iter();
-        let made_by: Vec<_> = made_by.map(|at| by_origin[at].0.to_string()).collect();
-        let value = json!({
-            "text": right, "latex": formula.latex(), "sympy": formula.sympy(&names),
-            "made_by": made_by,
-        });
-        (labels[formula.base].clone(), value)
-    });
-    let names: Map<String, Value> = labels
-        .iter()
-        .cloned()
-        .zip(names.iter().map(|n| json!(n)))
-        .collect();
-    let special = answer
-        .special
-        .iter()
-        .map(|s| json!({"values": s.values, "fewer": s.fewer, "without_effect": s.without_effect, "gone": list(&s.gone)}));
-    let origins = answer.origins.iter();
-    let origins =
-        origins.map(|(column, origin)| (labels[*column].clone(), json!(origin.to_string())));
-    pretty(&json!({
-        "schema": crate::SCHEMA,
-        "robot": robot::json(&answer.mechanism),
-        "symbols": symbols.collect::<Vec<_>>(),
-        "notes": answer.named.notes,
-        "no_effect": list(&answer.no_effect),
-        "base": list(&answer.base),
-        "regrouped": list(&answer.regrouped),
-        "rank": answer.base.len(),
-        "relations": Value::Object(relations.collect()),
-        "sympy_names": names,
-        "origins": Value::Object(origins.collect()),
-        "rules_alone": answer.route == Route::RulesAlone,
-        "left_over": list(&answer.left_over),
-        "special": special.collect::<Vec<_>>(),
-        "verification": {
-            "primes": answer.verification.primes.iter().map(u64::to_string).collect::<Vec<_>>(),
-            "failure_probability": answer.verification.failure_probability,
-        },
-    }))
+/// How sure it is.
+pub(crate) fn verified(answer: &SymbolicRelations) -> String {
+    format!(
+        "Verified at random values in {} prime fields, failure probability below {}",
+        answer.verification.primes.len(),
+        size(answer.verification.failure_probability)
+    )
 }
 
 /// The sums, one row a term: `base = sum(sign * coefficient * parameter)`.
@@ -437,12 +271,16 @@ fn sympy_names(answer: &SymbolicRelations) -> Vec<String> {
 /// The relations as a Python module for SymPy.
 pub(crate) fn sympy(answer: &SymbolicRelations) -> String {
     let (formulas, names) = (formulas(answer), sympy_names(answer));
-    let mut text = "from sympy import Function, Rational, cos, sin, symbols\n\n".to_owned();
-    if open(&formulas).is_some() {
-        text += "f = Function(\"f\")  # of what is no polynomial over a monomial, or too long\n";
+    let mut text = format!(
+        "# {}.\nfrom sympy import Function, Rational, cos, sin, symbols\n\n",
+        verified(answer)
+    );
+    let mut groups = formulas.iter().flat_map(|f| &f.groups);
+    if groups.any(|g| g.coefficient.is_err()) {
+        text += "f = Function(\"f\")  # of what has no formula in symbols\n";
     }
     for symbol in &answer.named.symbols {
-        let name = Notation::SymPy.name(&symbol.name);
+        let name = Notation::SymPy.name(&symbol.shown);
         text += &format!("{name} = symbols(\"{}\", real=True)\n", symbol.name);
     }
     let used = |c: &usize| {

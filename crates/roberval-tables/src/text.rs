@@ -87,12 +87,23 @@ fn words(text: &str) -> Vec<String> {
     plain(text).split(' ').map(str::to_owned).collect()
 }
 
-/// Pieces with blanks between them, broken into lines; a piece that fits no line is
-/// broken too.
+/// Pieces with blanks between them, broken into lines; a piece that fits no line is broken
+/// before its signs, where that is not enough at its blanks, at last anywhere.
 fn wrap(pieces: &[String], hang: usize, lines: &mut Vec<String>) {
     let mut line = String::new();
     let mut begun = false;
-    for piece in pieces {
+    let too_long = |piece: &&str| piece.width() > WIDTH - hang;
+    let terms = pieces
+        .iter()
+        .flat_map(|piece| match too_long(&piece.as_str()) {
+            true => before_signs(piece),
+            false => vec![piece.as_str()],
+        });
+    let words = terms.flat_map(|term| match too_long(&term) {
+        true => term.split(' ').collect(),
+        false => vec![term],
+    });
+    for piece in words {
         if begun && line.width() + 1 + piece.width() <= WIDTH {
             line.push(' ');
             line.push_str(piece);
@@ -110,6 +121,23 @@ fn wrap(pieces: &[String], hang: usize, lines: &mut Vec<String>) {
         }
     }
     lines.push(line);
+}
+
+/// The terms of a sum, each with the sign before it.
+fn before_signs(sum: &str) -> Vec<&str> {
+    let sign = |at: &usize| [" + ", " - "].iter().any(|s| sum[*at..].starts_with(s));
+    let blanks = sum
+        .char_indices()
+        .filter(|(_, c)| *c == ' ')
+        .map(|(at, _)| at);
+    let mut start = 0;
+    let mut terms = Vec::new();
+    for at in blanks.filter(sign) {
+        terms.push(&sum[start..at]);
+        start = at + 1;
+    }
+    terms.push(&sum[start..]);
+    terms
 }
 
 /// `---- gap 3e13 ----`
@@ -283,6 +311,21 @@ mod tests {
             (0..11).all(|k| line.contains(&format!("-3.2{k}e-05"))),
             "{line}"
         );
+    }
+
+    #[test]
+    fn long_terms_are_broken_before_their_signs_then_at_blanks() {
+        let factor = ["cos(A)^2 cos(B)^2 d1"; 7].join(" + ");
+        let mut lines = Vec::new();
+        wrap(&[format!("+ ({factor}) M_3")], 4, &mut lines);
+        assert!(lines.len() > 1);
+        let later = |line: &String| line.starts_with("    + cos(A)^2 cos(B)^2 d1");
+        assert!(lines[1..].iter().all(later), "{lines:?}");
+        let product = ["cos(A)^2"; 20].join(" ");
+        let mut lines = Vec::new();
+        wrap(&[product], 4, &mut lines);
+        let whole = |line: &String| line.trim().split(' ').all(|word| word == "cos(A)^2");
+        assert!(lines.len() > 1 && lines.iter().all(whole), "{lines:?}");
     }
 
     #[test]

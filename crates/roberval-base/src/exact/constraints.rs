@@ -41,11 +41,12 @@ pub enum LoopForm {
     Points,
 }
 
-/// The mechanism as prime fields hold it, and its loops' form.
+/// The mechanism as prime fields hold it, with couples in place of loops that are such on
+/// their branch; and its loops' form.
 ///
 /// # Errors
 /// [`ExactError::Constraints`] if they do not.
-pub(crate) fn held(
+pub fn held(
     mechanism: &Mechanism,
     seed: u64,
 ) -> Result<(Cow<'_, Mechanism>, Option<LoopForm>), ExactError> {

@@ -18,7 +18,7 @@ mod number;
 mod rounded;
 mod run;
 
-pub use constraints::LoopForm;
+pub use constraints::{LoopForm, held as constraints_held};
 pub(crate) use constraints::{held, with_couples};
 
 pub use decision::{ExactDecision, ExactError, choose_exactly, decide_exactly};

@@ -1,14 +1,17 @@
 //! Robots with values for their symbols.
 #![allow(dead_code)]
 
+use std::collections::HashMap;
+
 use num_rational::BigRational;
 use num_traits::{Pow, Zero};
 use roberval_mechanism::{Mechanism, RobotDescription};
-use roberval_scalar::{Quantity, SplitMix64};
+use roberval_scalar::{Expr, Quantity, SplitMix64};
 use roberval_symbolic::{
     Coefficient, Factored, Notation, Polynomial, SymbolKind, SymbolicOptions, SymbolicRelations,
     symbolic_relations,
 };
+use roberval_testkit::{angles_mut, decimal, lengths_mut};
 
 /// The relations of a description in symbols.
 pub fn relations(robot: &RobotDescription, options: &SymbolicOptions) -> SymbolicRelations {
@@ -56,6 +59,36 @@ pub fn with_random_lengths(
         constant.expect("symbols are constants").1 = value;
     }
     // What the expressions are worth in doubles is not asked here.
+    (robot, values)
+}
+
+/// The robot with random values for its symbols in place of their names, lengths in mm and
+/// angles in mrad; and those values.
+pub fn with_random_values(
+    answer: &SymbolicRelations,
+    random: &mut SplitMix64,
+) -> (RobotDescription, HashMap<String, f64>) {
+    let mut robot = answer.named.description.clone();
+    let mut values = HashMap::new();
+    for symbol in &answer.named.symbols {
+        let value = decimal(1 + random.below(1500) as i64, -3);
+        values.insert(symbol.name.clone(), value.value);
+        let mut constants = robot.constants.iter_mut();
+        let constant = constants.find(|(name, _)| *name == symbol.name);
+        constant.expect("symbols are constants").1 = value;
+    }
+    let constants: HashMap<String, Quantity> = robot.constants.iter().cloned().collect();
+    let put = |quantity: &mut Quantity| {
+        if let Expr::Name(name) = &quantity.expr {
+            *quantity = constants[name].clone();
+        }
+    };
+    angles_mut(&mut robot).into_iter().for_each(put);
+    lengths_mut(&mut robot).into_iter().for_each(put);
+    robot
+        .couples
+        .iter_mut()
+        .for_each(|couple| put(&mut couple.offset));
     (robot, values)
 }
 

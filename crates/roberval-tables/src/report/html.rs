@@ -6,7 +6,7 @@ use roberval_mechanism::ParameterKind;
 use crate::escape::plain;
 
 /// Text from anywhere, as HTML: in elements and in quoted attributes.
-pub(super) fn text(text: &str) -> String {
+pub(crate) fn text(text: &str) -> String {
     plain(text).chars().fold(String::new(), |mut out, c| {
         match c {
             '&' => out.push_str("&amp;"),
