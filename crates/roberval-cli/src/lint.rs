@@ -41,8 +41,16 @@ pub(crate) fn run(
         .count();
     let warnings = findings.len() - errors;
     let files = args.files.len() - unread;
-    let s = if files == 1 { "" } else { "s" };
-    let tally = format!("{errors} errors, {warnings} warnings in {files} file{s}");
+    let some = |count: usize, what: &str| match count {
+        1 => format!("1 {what}"),
+        _ => format!("{count} {what}s"),
+    };
+    let tally = format!(
+        "{}, {} in {}",
+        some(errors, "error"),
+        some(warnings, "warning"),
+        some(files, "file")
+    );
     if files > 0 {
         say(err, "note", &tally);
     }
