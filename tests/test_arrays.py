@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -197,6 +198,22 @@ def test_out_is_filled_and_returned(puma: rv.Robot, states: States) -> None:
     out = np.full((N, n, C), np.nan)
     assert puma.regressor(*states, out=out) is out
     assert (out == puma.regressor(*states)).all()
+
+
+def test_arrays_of_subclasses_are_written_as_plain_ones(
+    puma: rv.Robot, states: States, tmp_path: Path
+) -> None:
+    W = puma.regressor(*states)
+    on_disk = np.memmap(tmp_path / "W", float, "w+", shape=(N, n, C))
+    assert puma.regressor(*states, out=on_disk) is on_disk
+    np.testing.assert_array_equal(on_disk, W)
+    tau = np.empty((N, n)).view(type("Torques", (np.ndarray,), {}))
+    X = np.ones(C)
+    np.testing.assert_array_equal(puma.torques(*states, X, out=tau), puma.torques(*states, X))
+    tiles = puma.packed(*states)
+    view = np.empty(tiles.shape).view(type(tau))
+    np.testing.assert_array_equal(puma.packed(*states, out=view), tiles)
+
 
 
 def test_out_may_be_part_of_a_larger_array(puma: rv.Robot, states: States) -> None:

@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -83,6 +84,20 @@ def test_threads_get_the_serial_answers(puma: rv.Robot) -> None:
     serial = [work(seed) for seed in range(16)]
     with ThreadPoolExecutor(8) as pool:
         assert list(pool.map(work, range(16))) == serial
+
+
+@pytest.mark.parametrize("threads", [10**9, 2**70])
+def test_more_threads_than_samples_are_not_begun(puma: rv.Robot, threads: int) -> None:
+    states = random_states(puma, 3000)
+    np.testing.assert_array_equal(
+        puma.regressor(*states, threads=threads), puma.regressor(*states, threads=1)
+    )
+
+
+@pytest.mark.parametrize("threads", [0, -1, 1.5, "2"])
+def test_a_number_of_threads_is_a_whole_one(puma: rv.Robot, threads: Any) -> None:
+    with pytest.raises(rv.OptionError, match="threads is"):
+        puma.regressor(*random_states(puma, 3), threads=threads)
 
 
 def test_threads_may_read_one_array_and_write_parts_of_another(puma: rv.Robot) -> None:

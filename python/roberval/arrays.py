@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple, TypeAlias
 
@@ -110,11 +111,21 @@ def done(filled: bool) -> None:
         raise ArrayError("q, qd or qdd is the output of a call that another thread has begun")
 
 
+_MOST_THREADS = 256
+"""More threads than this are of no use: samples come in pieces."""
+
+
 def thread_count(threads: int | None) -> int | None:
     """Return a number of threads; None means all cores."""
-    if threads is not None and threads < 1:
-        raise OptionError(f"threads is {threads}, expected 1 or more")
-    return threads
+    if threads is None:
+        return None
+    try:
+        count = operator.index(threads)
+    except TypeError:
+        raise OptionError(f"threads is {threads!r}, expected a whole number or None") from None
+    if count < 1:
+        raise OptionError(f"threads is {count}, expected 1 or more")
+    return min(count, _MOST_THREADS)
 
 
 def vector(name: str, value: npt.ArrayLike | Mapping[str, float], labels: tuple[str, ...]) -> Array:

@@ -346,7 +346,7 @@ class Robot(Description):
         entries, lanes = self._packed_layout(model)
         shape = (-(-len(states.q) // lanes), len(entries), lanes)
         out = arrays.lines(shape) if out is None else arrays.output(out, shape)
-        arrays.done(self._inner.packed(model, *states[:3], out, threads))
+        arrays.done(self._inner.packed(model, *states[:3], np.asarray(out), threads))
         return out
 
     def packed_entries(self, model: Model = "d") -> npt.NDArray[np.intp]:
@@ -378,7 +378,7 @@ class Robot(Description):
         states = self._states(model, q, qd, qdd)
         rows = () if model == "h" else (self.n,)
         out = arrays.output(out, (*states.lead, *rows, width))
-        into = out if states.lead else out[None]
+        into = np.asarray(out) if states.lead else np.asarray(out)[None]
         arrays.done(self._inner.regressor(model, chosen, *states[:3], into, threads))
         return out
 
@@ -436,7 +436,7 @@ class Robot(Description):
             return out
         states = arrays.states(q, qd, qdd, self.nq, self.n)
         out = arrays.output(out, (*states.lead, self.n))
-        into = out if states.lead else out[None]
+        into = np.asarray(out) if states.lead else np.asarray(out)[None]
         arrays.done(self._inner.torques(x, *states[:3], into, threads))
         return out
 

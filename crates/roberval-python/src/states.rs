@@ -204,7 +204,7 @@ fn waves(
     let mut scratch = OwnedStates::default();
     let past_cache = size_of_val(out) > STREAM_BYTES;
     let size = target.size.max(1);
-    let threads = threads_for(target.threads, out.len());
+    let threads = threads_for(target.threads, out.len()).min(count.div_ceil(PIECE).max(1));
     let most = if target.slow { SLOW_WAVE } else { WAVE };
     let whole = (BLOCK / size).min(most).max(1) * threads;
     let wave = whole.next_multiple_of(PIECE);

@@ -25,12 +25,23 @@ pub struct Factor {
 
 /// The columns of W do not determine all coefficients.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "column {column} depends on the columns before it in these data: reduce base columns, or give data that move more"
-)]
-pub struct Undetermined {
-    /// The first such column, from 0.
-    pub column: usize,
+pub enum Unsolvable {
+    /// The data do not tell a column from those before it.
+    #[error(
+        "column {column} depends on the columns before it in these data: reduce base columns, or give data that move more"
+    )]
+    Undetermined {
+        /// The first such column, from 0.
+        column: usize,
+    },
+    /// The squares of the samples are beyond floats.
+    #[error(
+        "column {column} of R is no number: squares of samples or weights overflowed, start anew with data in other units"
+    )]
+    Overflow {
+        /// The first such column, from 0; the one after the last is the torque's.
+        column: usize,
+    },
 }
 
 impl Factor {
@@ -128,14 +139,19 @@ impl Factor {
     /// The coefficients x that make the norm of tau - W x smallest: P numbers.
     ///
     /// # Errors
-    /// [`Undetermined`] names the first column that depends on those before it.
-    pub fn solve(&self) -> Result<Vec<f64>, Undetermined> {
+    /// [`Unsolvable`] names the first column that depends on those before it, or that
+    /// overflowed.
+    pub fn solve(&self) -> Result<Vec<f64>, Unsolvable> {
         let p = self.columns;
+        let finite = |&column: &usize| (0..=column).all(|i| self.entry(i, column).is_finite());
+        if let Some(column) = (0..=p).find(|column| !finite(column)) {
+            return Err(Unsolvable::Overflow { column });
+        }
         for column in 0..p {
             let squares = (0..=column).map(|i| self.entry(i, column).powi(2));
             let norm = squares.sum::<f64>().sqrt();
             if self.entry(column, column) <= UNDETERMINED * f64::EPSILON * norm {
-                return Err(Undetermined { column });
+                return Err(Unsolvable::Undetermined { column });
             }
         }
         let mut x = vec![0.0; p];

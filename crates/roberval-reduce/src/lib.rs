@@ -13,6 +13,6 @@ mod stream;
 mod tiles;
 
 pub use checkpoint::CheckpointError;
-pub use factor::{Factor, Undetermined};
+pub use factor::{Factor, Unsolvable};
 pub use plan::Friction;
 pub use stream::{ReduceError, Reduction, Samples, Weights};

@@ -65,10 +65,10 @@ pub enum ReduceError {
         value: f64,
     },
     /// A weight is negative.
-    #[error("weights[{at}] is {value}: a weight cannot be negative")]
+    #[error("weights[{place}] is {value}: a weight cannot be negative")]
     Weight {
-        /// Index in the array.
-        at: usize,
+        /// Joint, or sample and joint, from 0.
+        place: String,
         /// What was found.
         value: f64,
     },
@@ -528,10 +528,13 @@ impl Reduction {
         if let Some((_, values, ..)) = weights
             && let Some(at) = values.iter().position(|w| *w < 0.0)
         {
-            return Err(ReduceError::Weight {
-                at,
-                value: values[at],
-            });
+            let sample = self.samples() + (at / joints) as u64;
+            let place = match samples.weights {
+                Weights::Rows(_) => format!("{sample}, {}", at % joints),
+                _ => at.to_string(),
+            };
+            let value = values[at];
+            return Err(ReduceError::Weight { place, value });
         }
         match self.regressor.check_attitudes(samples.states) {
             Err(RegressorError::Quaternion { sample, length }) => Err(ReduceError::Quaternion {

@@ -604,10 +604,26 @@ fn what_is_not_finite_is_named_and_nothing_is_taken_in() {
         }
     }
     let mut bad = Data::random(n, 100, 2);
-    bad.weights[3] = -1.0;
-    assert!(matches!(
-        reduction.update(&bad.part(0, 100, true)),
-        Err(ReduceError::Weight { at: 3, .. })
-    ));
+    bad.weights[3 * n + 1] = -1.0;
+    let place = format!("{}, 1", reduction.samples() + 3);
+    match reduction.update(&bad.part(0, 100, true)) {
+        Err(ReduceError::Weight { place: found, .. }) => assert_eq!(found, place),
+        other => panic!("{other:?}"),
+    }
     assert!(reduction.factor() == before);
+}
+
+#[test]
+fn squares_beyond_floats_are_no_answer_but_an_error() {
+    let regressor = Regressor::new(&robot(3, (3, 3)));
+    let columns = choice(&regressor, 1);
+    let end = columns.len();
+    let mut data = Data::random(regressor.independent(), 100, 2);
+    let mut reduction = Reduction::new(regressor, columns, NONE).expect("valid");
+    data.tau.iter_mut().for_each(|x| *x *= 1e160);
+    reduction.update(&data.part(0, 100, false)).expect("finite");
+    assert_eq!(
+        reduction.factor().solve(),
+        Err(Unsolvable::Overflow { column: end })
+    );
 }
