@@ -215,7 +215,6 @@ def test_arrays_of_subclasses_are_written_as_plain_ones(
     np.testing.assert_array_equal(puma.packed(*states, out=view), tiles)
 
 
-
 def test_out_may_be_part_of_a_larger_array(puma: rv.Robot, states: States) -> None:
     large = np.full((3 * N, n, C), np.nan)
     puma.regressor(*states, out=large[N : 2 * N])

@@ -15,6 +15,8 @@ import numpy as np
 import pytest
 import roberval as rv
 from roberval import importers
+from roberval.arrays import Array
+from roberval.importers.placed import DUST, roll_pitch_yaw
 from wheels import robot_file
 
 ROUNDING = 1e-12
@@ -329,3 +331,25 @@ def test_optional_packages_are_imported_only_when_used() -> None:
         [sys.executable, "-c", script], capture_output=True, text=True, check=True
     )
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("from_pole", [1.0, 1e-3, 1e-9, 1e-13, 0.0])
+def test_rotations_near_the_pole_keep_their_digits(from_pole: float) -> None:
+    rng = np.random.default_rng(3)
+    for roll, yaw, sign in rng.uniform(-np.pi, np.pi, (200, 3)):
+        asked = turned(roll, np.copysign(np.pi / 2 - from_pole, sign), yaw)
+        found = turned(*roll_pitch_yaw(asked))
+        assert np.abs(found - asked).max() <= 2 * DUST
+
+
+def turned(roll: float, pitch: float, yaw: float) -> Array:
+    """The rotation of angles about fixed axes."""
+
+    def about(axis: int, angle: float) -> Array:
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        rotation = np.eye(3)
+        rotation[[i, j], [i, j]] = np.cos(angle)
+        rotation[i, j], rotation[j, i] = -np.sin(angle), np.sin(angle)
+        return rotation
+
+    return about(2, yaw) @ about(1, pitch) @ about(0, roll)

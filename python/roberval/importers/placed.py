@@ -15,9 +15,6 @@ KINDS = ("XX", "XY", "XZ", "YY", "YZ", "ZZ", "MX", "MY", "MZ", "M")
 DUST = 16 * np.finfo(float).eps
 """A rotation made of a quaternion has errors of some eps in entries that are 0 or 1."""
 
-POLE = 1e-12
-"""Nearer to the pole than this, roll and yaw are one angle: roll is taken as 0."""
-
 
 @dataclass
 class Link:
@@ -72,11 +69,15 @@ def roll_pitch_yaw(rotation: Array) -> tuple[float, float, float]:
     """Angles about fixed axes, URDF's; right angles come out as such."""
     whole = np.round(rotation)
     r = np.where(np.abs(rotation - whole) <= DUST, whole, rotation)
-    level = float(np.hypot(r[0, 0], r[1, 0]))
+    level = np.hypot(r[2, 1], r[2, 2])
+    roll = float(np.arctan2(r[2, 1], r[2, 2])) if level > 0 else 0.0
     pitch = float(np.arctan2(-r[2, 0], level))
-    if level < POLE:
-        return 0.0, pitch, float(np.arctan2(-r[0, 1], r[1, 1]))
-    return float(np.arctan2(r[2, 1], r[2, 2])), pitch, float(np.arctan2(r[1, 0], r[0, 0]))
+    # Near the pole roll is known badly: yaw is taken from what this roll leaves.
+    sin, cos = np.sin(roll), np.cos(roll)
+    if float(2 * roll / np.pi).is_integer():
+        sin, cos = np.round(sin), np.round(cos)
+    yaw = float(np.arctan2(sin * r[0, 2] - cos * r[0, 1], cos * r[1, 1] - sin * r[1, 2]))
+    return roll, pitch, yaw
 
 
 def toml(
