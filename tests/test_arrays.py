@@ -207,7 +207,7 @@ def test_arrays_of_subclasses_are_written_as_plain_ones(
     on_disk = np.memmap(tmp_path / "W", float, "w+", shape=(N, n, C))
     assert puma.regressor(*states, out=on_disk) is on_disk
     np.testing.assert_array_equal(on_disk, W)
-    tau = np.empty((N, n)).view(type("Torques", (np.ndarray,), {}))
+    tau: Array = np.empty((N, n)).view(type("Torques", (np.ndarray,), {}))
     X = np.ones(C)
     np.testing.assert_array_equal(puma.torques(*states, X, out=tau), puma.torques(*states, X))
     tiles = puma.packed(*states)

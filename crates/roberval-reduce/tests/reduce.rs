@@ -2,7 +2,7 @@
 
 use roberval_mechanism::{Mechanism, SourceFormat};
 use roberval_reduce::{
-    CheckpointError, Factor, Friction, ReduceError, Reduction, Samples, Weights,
+    CheckpointError, Factor, Friction, ReduceError, Reduction, Samples, Unsolvable, Weights,
 };
 use roberval_regressor::{Model, Regressor, States};
 use roberval_scalar::{DoubleDouble, SplitMix64, Width};
@@ -619,7 +619,7 @@ fn squares_beyond_floats_are_no_answer_but_an_error() {
     let columns = choice(&regressor, 1);
     let end = columns.len();
     let mut data = Data::random(regressor.independent(), 100, 2);
-    let mut reduction = Reduction::new(regressor, columns, NONE).expect("valid");
+    let mut reduction = Reduction::new(regressor, &columns, NONE).expect("valid");
     data.tau.iter_mut().for_each(|x| *x *= 1e160);
     reduction.update(&data.part(0, 100, false)).expect("finite");
     assert_eq!(
