@@ -171,7 +171,9 @@ def test_without_a_compiler_the_package_does_the_work(monkeypatch: pytest.Monkey
     compiled = base.compile()
     assert not compiled.compiled
     q, qd, qdd = states(2)
-    assert np.array_equal(compiled(q, qd, qdd), base.regressor(q, qd, qdd))
+    expected = base.regressor(q, qd, qdd)
+    assert np.array_equal(compiled(q, qd, qdd), expected)
+    assert np.array_equal(compiled(q, qd, qdd, threads=2), expected)
 
 
 def test_a_compiled_regressor_refuses_what_the_regressor_refuses() -> None:

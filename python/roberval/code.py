@@ -145,11 +145,16 @@ class Compiled:
         qdd: npt.ArrayLike | None = None,
         *,
         out: Array | None = None,
+        threads: int | None = None,
     ) -> Array:
-        """Evaluate the reduced model; arguments and result of `BaseParameters.regressor`."""
+        """Evaluate the reduced model; arguments and result of `BaseParameters.regressor`.
+
+        Machine code runs on one thread, whatever `threads` allows.
+        """
         base = self._base
         if self._call is None:
-            return base.regressor(q, qd, qdd, out=out)
+            return base.regressor(q, qd, qdd, out=out, threads=threads)
+        arrays.thread_count(threads)
         states = base.robot._states(base.model, q, qd, qdd)
         out = arrays.output(out, (*states.lead, *self._shape))
         used = [states.q, np.zeros_like(states.qd) if base.model == "d0" else states.qd]
@@ -157,7 +162,7 @@ class Compiled:
             used.append(states.qdd)
         pointers = [array.__array_interface__["data"][0] for array in (*used, out)]
         if not self._call(len(states.q), *pointers):
-            return base.regressor(q, qd, qdd, out=out)  # says what is wrong
+            return base.regressor(q, qd, qdd, out=out, threads=threads)  # says what is wrong
         return out
 
 

@@ -19,6 +19,10 @@ pub(crate) fn run(
     err: &mut dyn Write,
     look: Look,
 ) -> Result<i32, CliError> {
+    if !args.counts && args.output.format != tables::Format::default() {
+        let what = "--format is for the table of --counts: code has its --lang";
+        return Err(CliError::Usage(what.to_owned()));
+    }
     let options = Options {
         model: Model::D,
         engine: Engine::Exact,

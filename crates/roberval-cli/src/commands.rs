@@ -141,6 +141,10 @@ fn symbolic(
             "--certificate and --report are written without --symbolic and --rules".to_owned();
         return Err(CliError::Usage(what));
     }
+    if args.symbolic && args.rules {
+        let what = "--rules is what the rules alone say, --symbolic is all: ask for one of them";
+        return Err(CliError::Usage(what.to_owned()));
+    }
     let options = args.method.options(&args.choice)?;
     let exact = args.method.engine == Engine::default() && args.method.rows.is_none();
     if !exact || args.choice.paper_tolerance.is_some() {

@@ -324,6 +324,8 @@ fn bad_requests_are_told() {
             &["base", "puma560", "--symbolic", "--rows", "200"],
             "leave out --engine, --rows",
         ),
+        (&["base", "puma560", "--symbolic", "--rules"], "one of them"),
+        (&["code", "puma560", "--format", "json"], "--counts"),
     ] {
         let run = roberval(args);
         assert_eq!(run.code, 2, "{args:?}");

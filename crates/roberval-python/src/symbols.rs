@@ -9,7 +9,7 @@ use roberval_mechanism::Mechanism;
 use roberval_symbolic::{Naming, Route, SymbolicOptions, SymbolicRelations, symbolic_relations};
 use roberval_tables::{self as tables};
 
-use crate::calls::detached;
+use crate::calls::interruptible;
 use crate::errors::raise;
 use crate::options::rendering;
 
@@ -33,8 +33,7 @@ impl Symbolic {
             seed: answer.seed,
             ..SymbolicOptions::default()
         };
-        let answer = detached(py, || symbolic_relations(&answer.mechanism, &options))?;
-        Ok(Self { answer })
+        Self::found(py, answer.mechanism.clone(), options)
     }
 
     /// Finds those of the closed-form rules alone.
@@ -44,7 +43,11 @@ impl Symbolic {
             naming: naming(all),
             ..SymbolicOptions::default()
         };
-        let answer = detached(py, || symbolic_relations(mechanism, &options))?;
+        Self::found(py, mechanism.clone(), options)
+    }
+
+    fn found(py: Python<'_>, mechanism: Mechanism, options: SymbolicOptions) -> PyResult<Self> {
+        let answer = interruptible(py, move || symbolic_relations(&mechanism, &options))?;
         Ok(Self { answer })
     }
 }
