@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -70,7 +71,7 @@ def test_solve_finds_the_parameters_and_names_what_is_not_determined(
     np.testing.assert_allclose(qr.solve(), base.values(X), rtol=1e-10, atol=1e-9)
     everything = rv.ObservationQR(puma)
     everything.update(q, qd, qdd, tau)
-    with pytest.raises(rv.NumericalError, match="column 0"):
+    with pytest.raises(rv.NumericalError, match="column XX_1 depends"):
         everything.solve()
 
 
@@ -381,3 +382,201 @@ for attempt in range(2):
     assert run.returncode == 0, run.stderr
     for line in run.stdout.splitlines():
         assert line.split()[1] == "0"
+
+
+def reduced(*arguments: object) -> int:
+    return reducing.command(["puma560", *map(str, arguments), "--base", "--quiet"])
+
+
+def arrays_of(samples: tuple[np.ndarray, ...]) -> dict[str, Any]:
+    return dict(zip(reducing.ARRAYS, samples, strict=True))
+
+
+def test_a_checkpoint_of_other_files_is_refused_and_kept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    first, other = tmp_path / "s.npz", tmp_path / "t.npz"
+    np.savez(first, **arrays_of(data(6, 300)))
+    np.savez(other, **arrays_of(data(6, 150)))
+    out, checkpoint = tmp_path / "x.npz", tmp_path / "c"
+    assert reduced(first, first, "-o", out, "--checkpoint", checkpoint) == 0
+    kept = checkpoint.read_bytes()
+    out.unlink()
+    for files, words in (
+        ([other], "number 1 was s.npz of"),
+        ([first], "number 2 was s.npz of"),
+        ([first, other], "and is t.npz of"),
+    ):
+        capsys.readouterr()
+        assert reduced(*files, "-o", out, "--checkpoint", checkpoint) == 2
+        said = capsys.readouterr().err
+        assert str(checkpoint) in said
+        assert words in said
+        assert checkpoint.read_bytes() == kept
+        assert not out.exists()
+
+
+def test_more_files_after_those_of_a_checkpoint_go_on_with_the_same_bits(
+    tmp_path: Path, base: rv.BaseParameters
+) -> None:
+    files = [tmp_path / f"{k}.npz" for k in range(2)]
+    for seed, file in enumerate(files):
+        np.savez(file, **arrays_of(data(6, 300, seed)))
+    out, checkpoint = tmp_path / "x.npz", tmp_path / "c"
+    assert reduced(files[0], "-o", out, "--checkpoint", checkpoint) == 0
+    assert rv.ObservationQR.load(checkpoint, base).samples == 300
+    assert reduced(*files, "-o", out, "--checkpoint", checkpoint) == 0
+    whole = tmp_path / "whole.npz"
+    assert reduced(*files, "-o", whole) == 0
+    with np.load(out) as a, np.load(whole) as b:
+        assert a["samples"] == 600
+        assert np.array_equal(a["R"], b["R"])
+
+
+def test_a_checkpoint_with_more_samples_than_the_files_is_refused_and_kept(
+    tmp_path: Path, base: rv.BaseParameters, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, out, checkpoint = tmp_path / "s.npz", tmp_path / "x.npz", tmp_path / "c"
+    np.savez(file, **arrays_of(data(6, 100)))
+    qr = rv.ObservationQR(base)
+    qr.update(*data(6, 250))
+    qr.save(checkpoint)
+    kept = checkpoint.read_bytes()
+    assert reduced(file, "-o", out, "--checkpoint", checkpoint) == 2
+    assert "c has 250 samples and the files have 100" in capsys.readouterr().err
+    assert checkpoint.read_bytes() == kept
+    assert not out.exists()
+
+
+def test_a_checkpoint_that_is_none_is_named(tmp_path: Path, puma: rv.Robot) -> None:
+    path = tmp_path / "c"
+    path.write_bytes(b"text")
+    with pytest.raises(rv.CheckpointError, match=r"c: this is not a checkpoint of roberval"):
+        rv.ObservationQR.load(path, puma)
+    path.write_bytes(b"RBVLIN\x001{3\n")
+    with pytest.raises(rv.CheckpointError, match=r"c: the checkpoint is damaged"):
+        rv.ObservationQR.load(path, puma)
+
+
+def test_merge_refuses_another_robot_itself_and_what_is_no_accumulator(puma: rv.Robot) -> None:
+    qr = rv.ObservationQR(puma, columns=["ZZ_1", "MX_2"])
+    with pytest.raises(rv.OptionError, match="different robots: PUMA 560 and "):
+        qr.merge(rv.ObservationQR(rv.load("ur5"), columns=qr.columns))
+    with pytest.raises(rv.OptionError, match="with itself"):
+        qr.merge(qr)
+    with pytest.raises(rv.OptionError, match="different columns: MX_2 is in one only"):
+        qr.merge(rv.ObservationQR(puma, columns=["ZZ_1"]))
+    with pytest.raises(TypeError, match=r"takes an ObservationQR, not 3 \(int\)"):
+        qr.merge(3)  # type: ignore[arg-type]
+    again = rv.ObservationQR(rv.load("puma560"), columns=qr.columns)
+    again.update(*data(6, 10))
+    qr.merge(again)
+    assert qr.samples == 10
+
+
+def test_wrong_models_and_columns_are_told_what_would_be_right(puma: rv.Robot) -> None:
+    with pytest.raises(TypeError, match=r"'puma560' \(str\), expected a Robot"):
+        rv.ObservationQR("puma560")  # type: ignore[arg-type]
+    assert rv.ObservationQR(puma, columns="ZZ_1").columns == ("ZZ_1",)
+    with pytest.raises(rv.OptionError, match="columns has ZZ_1 twice"):
+        rv.ObservationQR(puma, columns=["ZZ_1", "ZZ_1"])
+    for wrong in (3, [3]):
+        with pytest.raises(rv.OptionError, match=r"columns (is|has) 3 \(int\), expected"):
+            rv.ObservationQR(puma, columns=wrong)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("model", ["d0", "h"])
+def test_base_parameters_of_other_models_are_refused(
+    puma: rv.Robot, model: rv.options.Model
+) -> None:
+    with pytest.raises(rv.OptionError, match=rf"model {model}, and torques are rows of model d"):
+        rv.ObservationQR(puma.base_parameters(model))
+
+
+def test_solve_without_samples_says_so(base: rv.BaseParameters) -> None:
+    with pytest.raises(rv.NumericalError, match="there are no samples yet"):
+        rv.ObservationQR(base).solve()
+
+
+@pytest.mark.parametrize("form", ["npz", "parquet"])
+@pytest.mark.parametrize("part", [0.1, 0.5, 0.99])
+def test_half_written_files_are_named(
+    form: str, part: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = next(path for path in write(tmp_path, data(6, 500)) if path.suffix == f".{form}")
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(part * len(whole))])
+    assert reduced(path, "-o", tmp_path / "R.npz") == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"roberval: error: {path}: this ")
+    assert not (tmp_path / "R.npz").exists()
+
+
+@pytest.mark.parametrize("form", ["npz", "parquet"])
+def test_files_with_damage_in_the_middle_are_named(
+    form: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = next(path for path in write(tmp_path, data(6, 500)) if path.suffix == f".{form}")
+    damaged = bytearray(path.read_bytes())
+    damaged[: len(damaged) // 2] = bytes(len(damaged) // 2)
+    path.write_bytes(damaged)
+    assert reduced(path, "-o", tmp_path / "R.npz") == 2
+    assert f"roberval: error: {path}: " in capsys.readouterr().err
+
+
+def test_a_csv_that_is_no_text_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "s.csv"
+    path.write_bytes(b"q_1,\xff\xfe\n")
+    assert reduced(path, "-o", tmp_path / "R.npz") == 2
+    assert f"{path}: this is no text in UTF-8" in capsys.readouterr().err
+
+
+def test_npz_arrays_may_be_of_any_real_type_and_order(
+    puma: rv.Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(reducing, "PIECE", 128)
+    q, qd, qdd, tau = (np.round(4 * array) for array in data(6, 500))
+    stored: dict[str, Any] = {
+        "q": q.astype(np.float32),
+        "qd": np.asfortranarray(qd),
+        "qdd": np.asfortranarray(qdd.astype(">i2")),
+        "tau": tau.astype(np.int64),
+    }
+    expected = rv.ObservationQR(puma)
+    expected.update(q, qd, qdd, tau)
+    path, out = tmp_path / "s.npz", tmp_path / "R.npz"
+    for save in (np.savez, np.savez_compressed):
+        save(path, **stored)
+        assert reducing.command(["puma560", str(path), "-o", str(out), "--quiet"]) == 0
+        with np.load(out) as written:
+            assert np.array_equal(written["R"], expected.r_factor)
+            assert written["samples"] == 500
+
+
+def test_npz_arrays_of_no_numbers_are_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "s.npz"
+    np.savez(path, **arrays_of(data(6, 10)) | {"qd": np.ones((10, 6), complex)})
+    assert reduced(path, "-o", tmp_path / "R.npz") == 2
+    assert f"{path}: qd has dtype complex128, expected real" in capsys.readouterr().err
+
+
+def test_a_place_that_cannot_be_written_is_named_before_the_work(
+    base: rv.BaseParameters, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    samples, nowhere = tmp_path / "s.csv", tmp_path / "no" / "x.npz"
+    samples.write_text("unread")
+    for arguments, named in (
+        (["-o", nowhere], nowhere),
+        (["-o", tmp_path], tmp_path),
+        (["-o", samples / "x.npz"], samples / "x.npz"),
+        (["-o", tmp_path / "x.npz", "--checkpoint", nowhere], nowhere),
+    ):
+        assert reduced(samples, *arguments) == 2
+        assert repr(str(named)) in capsys.readouterr().err
+    qr = rv.ObservationQR(base)
+    for save in (qr.save, qr.save_factor):
+        with pytest.raises(FileNotFoundError) as told:
+            save(nowhere)
+        assert told.value.filename == str(nowhere)

@@ -7,10 +7,13 @@ from __future__ import annotations
 
 import argparse
 import csv
+import errno
 import io
+import os
 import sys
 import time
 import zipfile
+import zlib
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from itertools import islice
@@ -21,9 +24,15 @@ import numpy as np
 
 from .arrays import Array
 from .base import BaseParameters
-from .errors import ArrayError, MissingPackageError, RobervalError, ShapeError
+from .errors import (
+    ArrayError,
+    CheckpointError,
+    MissingPackageError,
+    RobervalError,
+    ShapeError,
+)
 from .loading import load
-from .reduction import FRICTION, ObservationQR
+from .reduction import FRICTION, Inputs, ObservationQR, robot_of
 from .robot import Robot
 
 ARRAYS = ("q", "qd", "qdd", "tau")
@@ -65,11 +74,22 @@ def titles(robot: Robot, names: Sequence[str], source: str) -> list[list[str]]:
 
 def pieces(path: Path, robot: Robot) -> Iterator[tuple[Piece, float]]:
     """Read a file of samples piece by piece, each with the part of the file read so far."""
+    try:
+        yield from reader_of(path)(path, robot)
+    except UnicodeDecodeError as error:
+        raise ArrayError(f"{path}: this is no text in UTF-8: {error}") from None
+    except (zipfile.BadZipFile, zlib.error, EOFError, csv.Error) as error:
+        form = path.suffix[1:].upper()
+        raise ArrayError(f"{path}: this is no whole {form} file: {error}") from None
+
+
+def reader_of(path: Path) -> Callable[[Path, Robot], Iterator[tuple[Piece, float]]]:
+    """Return the reader of a file by its ending."""
     readers = {".csv": from_csv, ".npz": from_npz, ".parquet": from_parquet}
     reader = readers.get(path.suffix.lower())
     if reader is None:
         raise RobervalError(f"{path}: samples are a .csv, .npz or .parquet file")
-    return reader(path, robot)
+    return reader
 
 
 def from_csv(path: Path, robot: Robot) -> Iterator[tuple[Piece, float]]:
@@ -108,59 +128,87 @@ def numbers(block: list[list[str]], width: int, path: Path, line: int) -> Array:
 
 
 def from_npz(path: Path, robot: Robot) -> Iterator[tuple[Piece, float]]:
-    """Read an NPZ file with the arrays q (N, nq), qd, qdd and tau (N, n) in C order."""
+    """Read an NPZ file with the arrays q (N, nq), qd, qdd and tau (N, n)."""
     widths = (robot.nq, robot.n, robot.n, robot.n)
     with zipfile.ZipFile(path) as archive:
         absent = [array for array in ARRAYS if f"{array}.npy" not in archive.namelist()]
         if absent:
             raise ShapeError(f"{path}: there is no array {absent[0]}")
-        files = [archive.open(f"{array}.npy") for array in ARRAYS]
-        shapes = [
-            npy_header(file, f"{path}: {name}", width)
-            for name, file, width in zip(ARRAYS, files, widths, strict=True)
+        stored = [
+            Stored(archive, name, width, path) for name, width in zip(ARRAYS, widths, strict=True)
         ]
-        if len(set(shapes)) > 1:
-            raise ShapeError(f"{path}: the arrays have {shapes} samples: they must be as many")
-        for first in range(0, shapes[0], PIECE):
-            count = min(PIECE, shapes[0] - first)
-            q, qd, qdd, tau = (
-                rows(file, count, width, path) for file, width in zip(files, widths, strict=True)
+        counts = [array.samples for array in stored]
+        if len(set(counts)) > 1:
+            raise ShapeError(f"{path}: the arrays have {counts} samples: they must be as many")
+        for first in range(0, counts[0], PIECE):
+            count = min(PIECE, counts[0] - first)
+            q, qd, qdd, tau = (array.rows(count) for array in stored)
+            yield (q, qd, qdd, tau), (first + count) / counts[0]
+
+
+class Stored:
+    """An array of an NPZ file, read some rows at a time, of any real type and order."""
+
+    def __init__(self, archive: zipfile.ZipFile, name: str, width: int, path: Path) -> None:
+        self.path, self.width = path, width
+        member = f"{name}.npy"
+        file = archive.open(member)
+        try:
+            version = np.lib.format.read_magic(file)
+            read = (
+                np.lib.format.read_array_header_1_0
+                if version == (1, 0)
+                else np.lib.format.read_array_header_2_0
             )
-            yield (q, qd, qdd, tau), (first + count) / shapes[0]
+            shape, fortran, self.dtype = read(file)
+        except ValueError as error:
+            raise ArrayError(f"{path}: {name} is no array: {error}") from None
+        if len(shape) != 2 or shape[1] != width:
+            raise ShapeError(f"{path}: {name} has shape {shape}, expected (N, {width})")
+        if self.dtype.kind not in "iuf":
+            raise ArrayError(f"{path}: {name} has dtype {self.dtype}, expected real numbers")
+        self.samples = int(shape[0])
+        self.files = [file]
+        if fortran:
+            # Each column is read where it begins: the array need not be in memory.
+            start = file.tell()
+            self.files = [archive.open(member) for _ in range(width)]
+            for place, column in enumerate(self.files):
+                column.seek(start + place * self.samples * self.dtype.itemsize)
 
-
-def rows(file: Any, count: int, width: int, path: Path) -> Array:
-    """Read the next rows of an array."""
-    data = file.read(count * width * 8)
-    if len(data) < count * width * 8:
-        raise ArrayError(f"{path}: the file ends within an array")
-    return np.frombuffer(data, "<f8").reshape(count, width)
-
-
-def npy_header(file: Any, source: str, n: int) -> int:
-    """Read an array's header; return its number of samples."""
-    version = np.lib.format.read_magic(file)
-    read = (
-        np.lib.format.read_array_header_1_0
-        if version == (1, 0)
-        else np.lib.format.read_array_header_2_0
-    )
-    shape, fortran, dtype = read(file)
-    if len(shape) != 2 or shape[1] != n:
-        raise ShapeError(f"{source} has shape {shape}, expected (N, {n})")
-    if dtype != np.dtype("<f8") or fortran:
-        raise ArrayError(f"{source} is {dtype}, expected float64 in C order")
-    return int(shape[0])
+    def rows(self, count: int) -> Array:
+        """Return the next rows as float64."""
+        size = count * self.width // len(self.files) * self.dtype.itemsize
+        parts = [file.read(size) for file in self.files]
+        if any(len(part) < size for part in parts):
+            raise ArrayError(f"{self.path}: the file ends within an array")
+        if len(parts) == 1:
+            table = np.frombuffer(parts[0], self.dtype).reshape(count, self.width)
+        else:
+            table = np.stack([np.frombuffer(part, self.dtype) for part in parts], axis=1)
+        with np.errstate(over="ignore"):  # a long double beyond float64 is inf: refused later
+            return np.asarray(table, np.float64, order="C")
 
 
 def from_parquet(path: Path, robot: Robot) -> Iterator[tuple[Piece, float]]:
     """Read a Parquet file with columns as in CSV; pyarrow does it."""
     try:
-        import pyarrow.parquet as parquet
+        import pyarrow
+        import pyarrow.parquet
     except ImportError:
         raise MissingPackageError(
             "reading Parquet needs the package pyarrow: pip install 'roberval[parquet]'"
         ) from None
+    try:
+        yield from parquet_pieces(path, robot)
+    except (pyarrow.ArrowException, OSError) as error:
+        raise ArrayError(f"{path}: this cannot be read as Parquet: {error}") from None
+
+
+def parquet_pieces(path: Path, robot: Robot) -> Iterator[tuple[Piece, float]]:
+    """Read a Parquet file, with pyarrow's own exceptions."""
+    import pyarrow.parquet as parquet
+
     # A page at a time: a row group may be larger than the memory there is.
     with parquet.ParquetFile(path, pre_buffer=False, buffer_size=1 << 16) as file:
         wanted = titles(robot, file.schema_arrow.names, str(path))
@@ -218,7 +266,7 @@ def reduce_dataset(
     """Reduce a Dask DataFrame (``dask.dataframe.read_parquet``), one partition a task.
 
     The partitions' R factors are merged in pairs, a fixed tree: the same bits for any number
-    of workers.
+    of workers. Other partitions of the same samples are another tree, and give other last bits.
 
     Parameters
     ----------
@@ -252,7 +300,7 @@ def reduce_partition(
     friction: Sequence[str],
 ) -> ObservationQR:
     """Reduce one table with columns q_1 .., in pieces."""
-    robot = model if isinstance(model, Robot) else model._robot
+    robot = robot_of(model)
     qr = ObservationQR(model, columns, friction, threads=1)
     wanted = titles(robot, list(frame.columns), "the dataset")
     for first in range(0, len(frame), PIECE):
@@ -300,15 +348,17 @@ def reduce_files(asked: argparse.Namespace) -> None:
     robot = load(asked.robot)
     model = robot.base_parameters() if asked.base else robot
     checkpoint = asked.checkpoint
+    for target in (asked.output, checkpoint):
+        if target is not None:
+            writable(target)
+    for path in asked.samples:
+        reader_of(path)
+    inputs = [(path.name, path.stat().st_size) for path in asked.samples]
+    qr = ObservationQR(model, None, asked.friction, asked.threads)
     if checkpoint is not None and checkpoint.exists():
-        qr = ObservationQR.load(checkpoint, model, asked.threads)
-        if qr.columns != (fresh := ObservationQR(model, None, asked.friction)).columns:
-            raise RobervalError(
-                f"{checkpoint} has {len(qr.columns)} columns, not {len(fresh.columns)}"
-            )
-    else:
-        qr = ObservationQR(model, None, asked.friction, asked.threads)
+        qr = resumed(checkpoint, qr, model, inputs, asked.threads)
     skip, started = qr.samples, time.monotonic()
+    before = skip
     saved, pause = started, 0.0
     for number, path in enumerate(asked.samples):
         for piece, part in pieces(path, robot):
@@ -323,19 +373,61 @@ def reduce_files(asked: argparse.Namespace) -> None:
                 raise ArrayError(f"{path}: {error} (samples are counted over all files)") from None
             now = time.monotonic()
             if checkpoint is not None and now - saved >= pause:
-                qr.save(checkpoint)
+                qr._save_with_inputs(checkpoint, inputs[: number + 1])
                 saved = time.monotonic()
                 pause = (saved - now) / SAVING
             if not asked.quiet and sys.stderr.isatty():
                 progress((number + part) / len(asked.samples), qr.samples, now - started)
     if not asked.quiet and sys.stderr.isatty():
         print(file=sys.stderr)
+    if skip:
+        raise CheckpointError(
+            f"{checkpoint} has {before} samples and the files have {before - skip}: it was saved "
+            "from others; give these, or another --checkpoint"
+        )
     if checkpoint is not None:
-        qr.save(checkpoint)
+        qr._save_with_inputs(checkpoint, inputs)
     qr.save_factor(asked.output)
     print(
         f"roberval: note: R of {len(qr.columns)} columns from {qr.samples} samples", file=sys.stderr
     )
+
+
+def writable(path: Path) -> None:
+    """Raise an error if a file cannot be written, before the work that it is to hold."""
+    folder = path.resolve().parent
+    fault = None
+    if not folder.is_dir():
+        fault = errno.ENOTDIR if folder.exists() else errno.ENOENT
+    elif path.is_dir():
+        fault = errno.EISDIR
+    elif not os.access(folder, os.W_OK):
+        fault = errno.EACCES
+    if fault is not None:
+        raise OSError(fault, os.strerror(fault), str(path))
+
+
+def resumed(
+    checkpoint: Path,
+    fresh: ObservationQR,
+    model: Robot | BaseParameters,
+    inputs: Inputs,
+    threads: int | None,
+) -> ObservationQR:
+    """Return the accumulator of a checkpoint if it is of the same columns and files."""
+    qr, begun = ObservationQR._load_with_inputs(checkpoint, model, threads)
+    if qr.columns != fresh.columns:
+        counts = f"{len(qr.columns)} columns, not the {len(fresh.columns)}"
+        raise CheckpointError(f"{checkpoint} has {counts} asked for: --base and --friction differ")
+    # Without a list of files (from `ObservationQR.save`), the samples alone are counted.
+    for place, (name, size) in enumerate(begun or []):
+        if place >= len(inputs) or inputs[place] != (name, size):
+            given = "none" if place >= len(inputs) else "{} of {} bytes".format(*inputs[place])
+            raise CheckpointError(
+                f"{checkpoint} was saved from other files: number {place + 1} was {name} of {size} "
+                f"bytes, and is {given}; give the same, or another --checkpoint"
+            )
+    return qr
 
 
 def progress(part: float, samples: int, seconds: float) -> None:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import os
+import re
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,11 +17,26 @@ import numpy.typing as npt
 from . import _core, arrays
 from .arrays import Array
 from .base import BaseParameters
-from .errors import OptionError, ShapeError, UnknownParameterError
+from .errors import (
+    CheckpointError,
+    NumericalError,
+    OptionError,
+    ShapeError,
+    UnknownParameterError,
+)
 from .robot import Robot
 
 FRICTION = ("viscous", "coulomb", "offset")
 """Kinds of columns that stand for a joint's friction: qd, sign(qd) and 1."""
+
+_INPUTS = b"RBVLIN\x001"
+"""What a checkpoint begins with that knows its files: they follow as a line of JSON."""
+
+_IDENTITY = slice(8, 40)
+"""Where the core's bytes have the robot's digest."""
+
+Inputs = list[tuple[str, int]]
+"""Names and sizes of the files that an accumulator has begun to take in."""
 
 
 class ObservationQR:
@@ -31,8 +50,8 @@ class ObservationQR:
     ----------
     model : Robot or BaseParameters
         Whose columns: all standard parameters with an effect on the torques, or the base
-        parameters.
-    columns : sequence of str, optional
+        parameters (of model d, whose rows the torques are).
+    columns : str or sequence of str, optional
         Labels of the parameters to take instead.
     friction : iterable of {"viscous", "coulomb", "offset"}
         Columns for each joint's friction, after the others: qd, sign(qd), 1.
@@ -58,18 +77,22 @@ class ObservationQR:
     def __init__(
         self,
         model: Robot | BaseParameters,
-        columns: Sequence[str] | None = None,
+        columns: str | Sequence[str] | None = None,
         friction: Iterable[str] = (),
         threads: int | None = None,
     ) -> None:
-        robot = model if isinstance(model, Robot) else model._robot
+        robot = robot_of(model)
         if columns is None:
             columns = robot.parameters if isinstance(model, Robot) else model.base
+        columns = _listed("columns", columns)
         places = {label: place for place, label in enumerate(robot.parameters)}
         missing = [label for label in columns if label not in places]
         if missing:
             raise UnknownParameterError(f"{robot.name} has no parameter {missing[0]}")
-        kinds = (friction,) if isinstance(friction, str) else tuple(friction)
+        twice = [label for place, label in enumerate(columns) if label in columns[:place]]
+        if twice:
+            raise OptionError(f"columns has {twice[0]} twice, expected each label once")
+        kinds = _listed("friction", friction)
         unknown = [kind for kind in kinds if kind not in FRICTION]
         if unknown:
             raise OptionError(f"friction is {unknown[0]!r}, expected some of {FRICTION}")
@@ -90,13 +113,29 @@ class ObservationQR:
         CheckpointError
             The file is damaged, or of another robot.
         """
+        return cls._load_with_inputs(path, model, threads)[0]
+
+    @classmethod
+    def _load_with_inputs(
+        cls, path: str | os.PathLike[str], model: Robot | BaseParameters, threads: int | None
+    ) -> tuple[ObservationQR, Inputs | None]:
+        """Return the accumulator, and its files if `_save_with_inputs` wrote it."""
         new = cls.__new__(cls)
-        new._robot = model if isinstance(model, Robot) else model._robot
-        data = Path(path).read_bytes()
-        new._inner = _core.Accumulator.from_bytes(
-            data, new._robot._inner, arrays.thread_count(threads)
-        )
-        return new
+        new._robot = robot_of(model)
+        count = arrays.thread_count(threads)
+        data, inputs = Path(path).read_bytes(), None
+        try:
+            if data.startswith(_INPUTS):
+                line, _, data = data[len(_INPUTS) :].partition(b"\n")
+                inputs = [(str(name), int(size)) for name, size in json.loads(line)]
+            new._inner = _core.Accumulator.from_bytes(data, new._robot._inner, count)
+        except CheckpointError as error:
+            raise CheckpointError(f"{path}: {error}") from None
+        except (ValueError, TypeError):
+            raise CheckpointError(
+                f"{path}: the checkpoint is damaged: its list of files cannot be read"
+            ) from None
+        return new, inputs
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -154,9 +193,21 @@ class ObservationQR:
         self._inner.update(states.q, states.qd, states.qdd, torques, joints, rows)
 
     def merge(self, other: ObservationQR) -> None:
-        """Take in what another accumulator of the same columns has taken in."""
+        """Take in what another accumulator of the same robot and columns has taken in."""
+        if not isinstance(other, ObservationQR):
+            raise TypeError(f"merge takes an ObservationQR, not {_told(other)}")
+        if other is self:
+            raise OptionError("an accumulator cannot be merged with itself: samples count once")
+        if other._inner.to_bytes()[_IDENTITY] != self._inner.to_bytes()[_IDENTITY]:
+            raise OptionError(
+                f"these accumulators are of different robots: {self._robot.name} and "
+                f"{other._robot.name}, whose geometry or parameters differ"
+            )
         if other.columns != self.columns:
-            raise OptionError("these accumulators have different columns")
+            only = [label for label in self.columns if label not in other.columns]
+            only += [label for label in other.columns if label not in self.columns]
+            what = f"{only[0]} is in one only" if only else "their order differs"
+            raise OptionError(f"these accumulators have different columns: {what}")
         self._inner.merge(other._inner)
 
     @property
@@ -180,21 +231,37 @@ class ObservationQR:
         Raises
         ------
         NumericalError
-            The samples do not determine a column: it is named.
+            The samples do not determine a column: it is named. Or there are none.
         """
-        return self._inner.solve()
+        if self.samples == 0:
+            raise NumericalError("there are no samples yet to solve for: update takes them in")
+        try:
+            return self._inner.solve()
+        except NumericalError as error:
+            # The core counts columns; the one after the last is the torque's.
+            labels = (*self.columns, "tau")
+            said = re.sub(
+                r"^column (\d+)", lambda found: f"column {labels[int(found[1])]}", str(error)
+            )
+            raise NumericalError(said) from None
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the accumulator to a file, as a whole or not at all, with a checksum."""
         write_whole(Path(path), self._inner.to_bytes())
 
+    def _save_with_inputs(self, path: Path, inputs: Inputs) -> None:
+        """Write the accumulator and what files it has begun to take in."""
+        line = json.dumps(inputs).encode()
+        write_whole(path, _INPUTS + line + b"\n" + self._inner.to_bytes())
+
     def save_factor(self, path: str | os.PathLike[str]) -> None:
         """Write R, qt_tau, residual_norm, samples and columns as an NPZ file."""
         target = Path(path)
         factor = self._inner.factor()
-        with tempfile.TemporaryDirectory(
-            dir=target.resolve().parent, prefix=".roberval-"
-        ) as folder:
+        with (
+            naming(target),
+            tempfile.TemporaryDirectory(dir=target.resolve().parent, prefix=".roberval-") as folder,
+        ):
             written = Path(folder) / "R.npz"
             np.savez(
                 written,
@@ -226,17 +293,63 @@ def _restore(robot: Robot, data: bytes) -> ObservationQR:
     return new
 
 
+def robot_of(model: Robot | BaseParameters) -> Robot:
+    """Return the robot of what `ObservationQR` takes for a model."""
+    if isinstance(model, Robot):
+        return model
+    if not isinstance(model, BaseParameters):
+        raise TypeError(
+            f"model is {_told(model)}, expected a Robot (roberval.load) or its base_parameters()"
+        )
+    if model.model != "d":
+        raise OptionError(
+            f"these are base parameters of model {model.model}, and torques are rows of model d: "
+            'take base_parameters(model="d")'
+        )
+    return model._robot
+
+
+def _listed(name: str, value: str | Iterable[str]) -> tuple[str, ...]:
+    """Return labels as a tuple; one may stand alone."""
+    if isinstance(value, str):
+        return (value,)
+    try:
+        labels = tuple(value)
+    except TypeError:
+        raise OptionError(f"{name} is {_told(value)}, expected a list of labels") from None
+    wrong = [label for label in labels if not isinstance(label, str)]
+    if wrong:
+        raise OptionError(f"{name} has {_told(wrong[0])}, expected labels")
+    return labels
+
+
+def _told(value: Any) -> str:
+    """Return a value of a wrong type as it stands in a message."""
+    return f"{value!r:.60} ({type(value).__name__})"
+
+
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Let errors of the system name the file that was asked for, not its draft."""
+    try:
+        yield
+    except OSError as error:
+        error.filename, error.filename2 = str(path), None
+        raise
+
+
 def write_whole(path: Path, data: bytes) -> None:
     """Write a file as a whole or not at all."""
     target = path.resolve()
     # Always of one name: what a killed process leaves behind is overwritten.
     written = target.with_name(f".{target.name}.part")
-    try:
-        with written.open("wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        written.replace(target)
-    except BaseException:
-        written.unlink(missing_ok=True)
-        raise
+    with naming(path):
+        try:
+            with written.open("wb") as file:
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
+            written.replace(target)
+        except BaseException:
+            written.unlink(missing_ok=True)
+            raise
