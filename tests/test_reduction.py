@@ -580,3 +580,18 @@ def test_a_place_that_cannot_be_written_is_named_before_the_work(
         with pytest.raises(FileNotFoundError) as told:
             save(nowhere)
         assert told.value.filename == str(nowhere)
+
+
+def test_the_command_reads_the_robot_as_asked(tmp_path: Path) -> None:
+    moon = rv.load("puma560", floating=True, rotors=False, gravity=(0, 0, -1.62))
+    q, qd, qdd = states_of(moon, 300)
+    tau = moon.torques(q, qd, qdd, np.ones(len(moon.parameters)))
+    file, out = tmp_path / "states.npz", tmp_path / "R.npz"
+    np.savez(file, **arrays_of((q, qd, qdd, tau)))
+    options = ("--floating", "--no-rotors", "--gravity=0,0,-1.62")
+    assert reduced(file, "-o", out, *options) == 0
+    qr = rv.ObservationQR(moon.base_parameters())
+    qr.update(q, qd, qdd, tau)
+    np.testing.assert_array_equal(np.load(out)["R"], qr.r_factor)
+    with pytest.raises(SystemExit):
+        reduced(file, "-o", out, "--gravity=0,0")

@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -32,6 +32,7 @@ from .errors import (
     ShapeError,
 )
 from .loading import load
+from .options import Snap
 from .reduction import FRICTION, Inputs, ObservationQR, robot_of
 from .robot import Robot
 
@@ -316,6 +317,14 @@ def merged(first: ObservationQR, second: ObservationQR) -> ObservationQR:
     return result
 
 
+def _gravity(text: str) -> tuple[float, ...]:
+    """Return the three numbers of an option."""
+    numbers = tuple(map(float, text.split(",")))
+    if len(numbers) != 3 or not np.isfinite(numbers).all():
+        raise ValueError
+    return numbers
+
+
 def command(arguments: Sequence[str]) -> int:
     """Run ``roberval reduce``."""
     parser = argparse.ArgumentParser(
@@ -326,6 +335,12 @@ def command(arguments: Sequence[str]) -> int:
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="R.npz")
     parser.add_argument("--base", action="store_true", help="only the base parameters' columns")
     parser.add_argument("--friction", nargs="*", choices=FRICTION, default=[])
+    reading = parser.add_argument_group("how the robot is read", "as by roberval base")
+    reading.add_argument("--keep-fixed", action="store_true", help="keep links on fixed joints")
+    reading.add_argument("--floating", action="store_true", help="let the base move freely")
+    reading.add_argument("--no-rotors", action="store_true", help="leave rotor inertias Ia out")
+    reading.add_argument("--snap", choices=get_args(Snap), default="default")
+    reading.add_argument("--gravity", type=_gravity, metavar="X,Y,Z", help="m/s^2, base frame")
     parser.add_argument("--threads", type=int, metavar="T")
     parser.add_argument(
         "--checkpoint", type=Path, metavar="FILE", help="save progress in FILE, go on from there"
@@ -345,7 +360,14 @@ def command(arguments: Sequence[str]) -> int:
 
 def reduce_files(asked: argparse.Namespace) -> None:
     """Reduce the files in their order, from the checkpoint on if there is one."""
-    robot = load(asked.robot)
+    robot = load(
+        asked.robot,
+        keep_fixed=asked.keep_fixed,
+        floating=asked.floating,
+        rotors=not asked.no_rotors,
+        snap=asked.snap,
+        gravity=asked.gravity,
+    )
     model = robot.base_parameters() if asked.base else robot
     checkpoint = asked.checkpoint
     for target in (asked.output, checkpoint):

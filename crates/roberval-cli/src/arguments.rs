@@ -345,6 +345,8 @@ pub(crate) struct ReduceArgs {
     /// No progress bar
     #[arg(long)]
     pub quiet: bool,
+    #[command(flatten)]
+    pub reading: ReadingArgs,
 }
 
 #[derive(Debug, Args)]
