@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import sysconfig
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -83,7 +84,10 @@ def test_ctrl_c_ends_reduce_and_leaves_no_file(tmp_path: Path) -> None:
     fifo, output = tmp_path / "samples.csv", tmp_path / "R.npz"
     os.mkfifo(fifo)
     command = [sys.executable, "-m", "roberval", "reduce", "puma560", str(fifo), "-o", str(output)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+    # What runs in the background ignores the signal, and so would its children.
+    heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(command, preexec_fn=heed, **pipes) as process:  # type: ignore[call-overload]
         writer = os.open(fifo, os.O_WRONLY)  # returns once the command reads
         process.send_signal(signal.SIGINT)
         assert process.communicate(timeout=60) == (b"", b"roberval: interrupted\n")
