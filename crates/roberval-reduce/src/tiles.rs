@@ -193,7 +193,8 @@ fn fill<V: Lanes>(plan: &Plan, samples: &Measured<'_>, at: usize, group: usize, 
 fn transpose<V: Lanes>(table: &[f64], n: usize, [at, first]: [usize; 2], to: &mut [V; MAX_LANES]) {
     let from = &table[at * n + first..];
     if from.len() >= (V::COUNT - 1) * n + V::COUNT {
-        return V::load_transposed(from, n, to);
+        V::load_transposed(from, n, to);
+        return;
     }
     // A whole block would read beyond the table's end.
     for (j, to) in to.iter_mut().enumerate().take(n - first) {

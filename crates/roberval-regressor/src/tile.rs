@@ -66,7 +66,7 @@ impl<V: Lanes> Tile<V> {
         };
         let states = [samples.states.q, samples.states.qd, samples.states.qdd];
         let widths = [self.positions, self.dof, self.dof];
-        let mut finite = true;
+        let mut none = V::lift(0.0);
         for (k, numbers) in states.into_iter().enumerate() {
             let (to, width) = (&mut self.states[k], widths[k]);
             if !looked_at[k] {
@@ -74,8 +74,7 @@ impl<V: Lanes> Tile<V> {
                 continue;
             }
             let numbers = &numbers[first * width..];
-            finite &= all_finite::<V>(&numbers[..numbers.len().min(V::COUNT * width)]);
-            transpose(numbers, width, &mut self.padded, to);
+            none = none + transpose(numbers, width, &mut self.padded, to);
         }
         self.move_bodies(tree);
         if !samples.g.is_empty() {
@@ -87,7 +86,7 @@ impl<V: Lanes> Tile<V> {
                 &mut self.g,
             );
         }
-        finite
+        none.is_zero()
     }
 
     #[inline(always)]
@@ -101,7 +100,8 @@ impl<V: Lanes> Tile<V> {
             };
             self.base = Some(base_of([q, qd, qdd], constants));
         }
-        let q = tree.variables(q);
+        let n = tree.dof;
+        let (q, qd, qdd) = (&tree.variables(q)[..n], &qd[..n], &qdd[..n]);
         for (body, motion) in tree.bodies.iter().zip(&mut self.motion) {
             if body.joint == JointKind::Floating {
                 continue;
@@ -110,25 +110,6 @@ impl<V: Lanes> Tile<V> {
             set(motion, body, [q[j], qd[j], qdd[j]]);
         }
     }
-}
-
-/// Whether no number is infinite or NaN: zero times any other is zero.
-#[inline(always)]
-fn all_finite<V: Lanes>(numbers: &[f64]) -> bool {
-    let zero = V::lift(0.0);
-    let mut sums = [zero; 4];
-    let mut blocks = numbers.chunks_exact(4 * V::COUNT);
-    for block in blocks.by_ref() {
-        for (sum, x) in sums.iter_mut().zip(block.chunks_exact(V::COUNT)) {
-            *sum = V::load(x).mul_add(zero, *sum);
-        }
-    }
-    let mut rest = blocks.remainder().chunks_exact(V::COUNT);
-    for (sum, x) in sums.iter_mut().zip(rest.by_ref()) {
-        *sum = V::load(x).mul_add(zero, *sum);
-    }
-    let sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-    sum.is_zero() && rest.remainder().iter().all(|x| x.is_finite())
 }
 
 /// The base's state. A lane after the last sample has no attitude; any will do.
@@ -155,9 +136,10 @@ fn set<V: Lanes>(motion: &mut JointMotion<V>, body: &Body<f64>, [q, qd, qdd]: [V
     }
 }
 
-/// The columns of a table of `width` columns, a row a lane.
+/// The columns of a table of `width` columns, a row a lane. Gives zeros, or NaN somewhere if
+/// not all numbers are finite, be it of these rows or of what follows them.
 #[inline(always)]
-fn transpose<V: Lanes>(from: &[f64], width: usize, padded: &mut [f64], to: &mut [V]) {
+fn transpose<V: Lanes>(from: &[f64], width: usize, padded: &mut [f64], to: &mut [V]) -> V {
     // Whole blocks read beyond the last row's end.
     let from = if from.len() < (V::COUNT - 1) * width + to.len() {
         let count = from.len().min(V::COUNT * width);
@@ -167,7 +149,10 @@ fn transpose<V: Lanes>(from: &[f64], width: usize, padded: &mut [f64], to: &mut 
     } else {
         from
     };
-    for first in (0..width).step_by(V::COUNT) {
-        V::load_transposed(&from[first..], width, &mut to[first..]);
+    let blocks = to.chunks_exact_mut(V::COUNT).take(width.div_ceil(V::COUNT));
+    let mut none = V::lift(0.0);
+    for (k, block) in blocks.enumerate() {
+        none = none + V::load_transposed(&from[k * V::COUNT..], width, block);
     }
+    none
 }

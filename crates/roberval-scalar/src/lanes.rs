@@ -63,15 +63,19 @@ pub trait Lanes: Lift<f64> + Debug + Send + Sync + 'static {
     fn sin_cos(self) -> (Self, Self);
 
     /// Takes `COUNT` rows of `COUNT` numbers, `stride` apart: `to[k]` gets column k, a
-    /// row a lane.
-    fn load_transposed(from: &[f64], stride: usize, to: &mut [Self]) {
+    /// row a lane. Gives zeros, or NaN somewhere if not all these numbers are finite.
+    fn load_transposed(from: &[f64], stride: usize, to: &mut [Self]) -> Self {
+        let zero = Self::lift(0.0);
+        let mut none = zero;
         for (k, to) in to.iter_mut().enumerate().take(Self::COUNT) {
             let mut column = [0.0; MAX_LANES];
             for (s, x) in column.iter_mut().enumerate().take(Self::COUNT) {
                 *x = from[s * stride + k];
             }
             *to = Self::load(&column);
+            none = to.mul_add(zero, none);
         }
+        none
     }
 
     /// The inverse of [`Lanes::load_transposed`]: column k is `stage[sources[k]]`.

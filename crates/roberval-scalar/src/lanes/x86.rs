@@ -11,7 +11,7 @@ use super::arithmetic::arithmetic;
 use super::fused::Fused;
 use super::trigonometry::{self, Quadrants};
 use super::{Lanes, Task, Width};
-use crate::Lift;
+use crate::{Lift, Scalar};
 
 pub(super) fn available(width: Width) -> bool {
     match width {
@@ -187,20 +187,23 @@ macro_rules! lanes {
             }
 
             #[inline(always)]
-            fn load_transposed(from: &[f64], stride: usize, to: &mut [Self]) {
+            fn load_transposed(from: &[f64], stride: usize, to: &mut [Self]) -> Self {
                 assert!(
                     from.len() >= ($count - 1) * stride + $count,
                     "as many rows as lanes"
                 );
-                let mut rows = [Self::lift(0.0); $count];
+                let zero = Self::lift(0.0);
+                let (mut rows, mut none) = ([zero; $count], [zero; 2]);
                 for (s, row) in rows.iter_mut().enumerate() {
                     // SAFETY: row s begins at s * stride and its numbers are there (asserted).
                     *row = Self(unsafe { $load(from.as_ptr().add(s * stride)) });
+                    none[s % 2] = row.mul_add(zero, none[s % 2]);
                 }
                 let to = &mut to[..$count];
                 for (to, column) in to.iter_mut().zip($transposed(rows)) {
                     *to = column;
                 }
+                none[0] + none[1]
             }
 
             #[inline(always)]
