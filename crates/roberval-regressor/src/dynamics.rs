@@ -1,11 +1,13 @@
 use roberval_mechanism::JointKind;
 use roberval_scalar::{Lift, Scalar};
 
-use crate::frame::{Frame, General, Layout, Right, with_frame};
-use crate::vector::{Mat3, Vec3, dot, lift3, negative};
-use crate::{BaseState, Body, JointMotion, Sink, Tree};
+use crate::forces::Forces;
+use crate::frame::{Frame, General, Near, Placing, Right, ordered, with_frame};
+use crate::vector::{Mat3, Vec3, lift3, negative};
+use crate::{BaseState, Body, Constants, JointMotion, Sink, Tree};
 
-/// How a body moves, in its own frame.
+/// How a body moves, in its own frame. The recursion takes its axes in turn, so that the
+/// joint's comes last.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BodyState<T> {
     /// Angular velocity.
@@ -20,11 +22,11 @@ pub(crate) struct BodyState<T> {
 
 /// A unit velocity of one joint, as a body on its way to the tip feels it.
 #[derive(Debug, Clone, Copy)]
-struct Screw<T> {
+pub(crate) struct Screw<T> {
     /// Angular velocity, in the body's frame.
-    e: Vec3<T>,
+    pub e: Vec3<T>,
     /// Velocity of the body's origin, in the body's frame.
-    v: Vec3<T>,
+    pub v: Vec3<T>,
 }
 
 /// A moving joint on a body's path to the base.
@@ -36,25 +38,25 @@ struct Ancestor {
     slides: bool,
 }
 
-/// Where a body's path is in a list of all paths.
-#[derive(Debug, Clone, Copy)]
-struct Span {
-    first: usize,
-    /// How many joints the antecedent's path has; its own joint, if any, comes after them.
-    inherited: usize,
-    /// Where the antecedent's path is.
-    from: usize,
+/// A body in motion.
+#[derive(Debug, Clone)]
+struct Link<T> {
+    placing: Placing<T>,
+    state: BodyState<T>,
+    /// The joints of its path from the base, its own last.
+    path: Vec<Ancestor>,
+    /// Their screws.
+    screws: Vec<Screw<T>>,
+    /// How many of them are inherited and lie in any way.
+    far: usize,
+    /// The row of its own joint, if it has an axis.
+    row: Option<usize>,
 }
 
 /// Working memory of [`dynamics`], made once for a tree.
 #[derive(Debug, Clone)]
 pub struct DynamicsWorkspace<T> {
-    states: Vec<BodyState<T>>,
-    /// The joints of each body's path from the base, body after body.
-    ancestors: Vec<Ancestor>,
-    /// Their screws.
-    screws: Vec<Screw<T>>,
-    spans: Vec<Span>,
+    links: Vec<Link<T>>,
 }
 
 impl<T: Scalar> DynamicsWorkspace<T> {
@@ -64,56 +66,12 @@ impl<T: Scalar> DynamicsWorkspace<T> {
     where
         T: Lift<C>,
     {
-        let zero = [T::lift(tree.constants.zero); 3];
-        let mut ancestors = Vec::new();
-        let mut screws = Vec::new();
-        let mut spans: Vec<Span> = Vec::with_capacity(tree.bodies.len());
-        for body in &tree.bodies {
-            let first = ancestors.len();
-            let (from, inherited) = match body.antecedent {
-                Some(a) => {
-                    let own = usize::from(tree.bodies[a].joint.has_axis());
-                    (spans[a].first, spans[a].inherited + own)
-                }
-                None => (first, 0),
-            };
-            if body.joint == JointKind::Floating {
-                let one = T::lift(tree.constants.one);
-                unit_screws(zero, one, &mut ancestors, &mut screws);
-                spans.push(Span {
-                    first,
-                    inherited: 6,
-                    from,
-                });
-                continue;
-            }
-            ancestors.extend_from_within(from..from + inherited);
-            screws.resize(ancestors.len(), Screw { e: zero, v: zero });
-            if let Some(row) = body.variable {
-                let slides = body.joint == JointKind::Prismatic;
-                let axis = lift3(&body.axis);
-                let (e, v) = if slides { (zero, axis) } else { (axis, zero) };
-                ancestors.push(Ancestor { row, slides });
-                screws.push(Screw { e, v });
-            }
-            spans.push(Span {
-                first,
-                inherited,
-                from,
-            });
+        let mut links: Vec<Link<T>> = Vec::with_capacity(tree.bodies.len());
+        for (body, placing) in tree.bodies.iter().zip(Placing::of(tree)) {
+            let antecedent = body.antecedent.map(|a| &links[a]);
+            links.push(Link::new(tree, body, placing, antecedent));
         }
-        let rest = BodyState {
-            w: zero,
-            dw: zero,
-            a: zero,
-            u: [zero; 3],
-        };
-        Self {
-            states: vec![rest; tree.bodies.len()],
-            ancestors,
-            screws,
-            spans,
-        }
+        Self { links }
     }
 
     /// Where the base of a floating robot is and how it moves from now on.
@@ -122,8 +80,51 @@ impl<T: Scalar> DynamicsWorkspace<T> {
     where
         T: Lift<C>,
     {
-        let state = &mut self.states[0];
+        let state = &mut self.links[0].state;
         (state.w, state.dw, state.a) = (base.w, base.dw, base.acceleration(tree));
+    }
+}
+
+impl<T: Scalar> Link<T> {
+    fn new<C: Copy>(
+        tree: &Tree<C>,
+        body: &Body<C>,
+        placing: Placing<T>,
+        antecedent: Option<&Self>,
+    ) -> Self
+    where
+        T: Lift<C>,
+    {
+        let zero = [T::lift(tree.constants.zero); 3];
+        let mut path = antecedent.map_or_else(Vec::new, |a| a.path.clone());
+        let mut screws = vec![Screw { e: zero, v: zero }; path.len()];
+        let far = path.len() - usize::from(placing.near != Near::Any);
+        if body.joint == JointKind::Floating {
+            unit_screws(zero, T::lift(tree.constants.one), &mut path, &mut screws);
+        } else if let Some(row) = body.variable {
+            let slides = body.joint == JointKind::Prismatic;
+            let axis = ordered(&lift3(&body.axis), placing.order);
+            let (e, v) = if slides { (zero, axis) } else { (axis, zero) };
+            path.push(Ancestor { row, slides });
+            screws.push(Screw { e, v });
+        }
+        Self {
+            state: BodyState {
+                w: zero,
+                dw: zero,
+                a: zero,
+                u: [zero; 3],
+            },
+            far: if body.joint == JointKind::Floating {
+                6
+            } else {
+                far
+            },
+            row: body.variable.filter(|_| body.joint.has_axis()),
+            placing,
+            path,
+            screws,
+        }
     }
 }
 
@@ -131,7 +132,7 @@ impl<T: Scalar> DynamicsWorkspace<T> {
 fn unit_screws<T: Scalar>(
     zero: Vec3<T>,
     one: T,
-    ancestors: &mut Vec<Ancestor>,
+    path: &mut Vec<Ancestor>,
     screws: &mut Vec<Screw<T>>,
 ) {
     for row in 0..6 {
@@ -139,7 +140,7 @@ fn unit_screws<T: Scalar>(
         unit[row % 3] = one;
         let slides = row < 3;
         let (e, v) = if slides { (zero, unit) } else { (unit, zero) };
-        ancestors.push(Ancestor { row, slides });
+        path.push(Ancestor { row, slides });
         screws.push(Screw { e, v });
     }
 }
@@ -158,68 +159,121 @@ pub fn dynamics<C: Copy, T: Lift<C>>(
     workspace: &mut DynamicsWorkspace<T>,
     sink: &mut impl Sink<T>,
 ) {
+    let links = &mut workspace.links[..];
     for (j, (body, motion)) in tree.bodies.iter().zip(motion).enumerate() {
+        let (before, from_here) = links.split_at_mut(j);
+        let [link, ..] = from_here else { return };
         if body.joint != JointKind::Floating {
-            with_frame!(body, motion, step, tree, j, motion, workspace);
+            let antecedent = body.antecedent.map(|a| &before[a]);
+            let Link {
+                placing,
+                state,
+                path,
+                screws,
+                far,
+                ..
+            } = link;
+            let (far, near) = screws.split_at_mut(*far);
+            let to = (state, &path[..], far, near);
+            with_frame!(
+                body, placing, motion, step, tree, body, motion, antecedent, to
+            );
         }
-        let state = &mut workspace.states[j];
-        let forces = Forces::of(state);
-        state.u = forces.u;
+        let forces = Forces::of(&link.state);
+        link.state.u = forces.u;
         if body.massless {
             continue;
         }
-        let Span {
-            first, inherited, ..
-        } = workspace.spans[j];
-        let ancestors = &workspace.ancestors[first..first + inherited];
-        let screws = &workspace.screws[first..first + inherited];
-        for k in 0..inherited {
-            let columns = match ancestors[k].slides {
-                false => forces.on_screw(&screws[k]),
-                true => forces.on_translation(tree.constants.zero, screws[k].v),
-            };
-            sink.link(j, ancestors[k].row, columns);
-        }
-        let Some(row) = body.variable.filter(|_| body.joint.has_axis()) else {
-            continue;
-        };
-        sink.link(j, row, forces.on_own_joint(body, tree.constants.zero));
-        if body.rotor {
-            sink.rotor(j, row, T::lift(body.axis_squared) * motion.qdd);
+        let body = (j, body, motion.qdd);
+        match link.placing.order {
+            0 => columns::<0, C, T>(tree, body, link, &forces, sink),
+            1 => columns::<1, C, T>(tree, body, link, &forces, sink),
+            _ => columns::<2, C, T>(tree, body, link, &forces, sink),
         }
     }
 }
 
-/// One body: its motion and the screws of its path, from the antecedent's.
+/// The columns of one body, its axes in this order.
+#[inline(always)]
+fn columns<const ORDER: usize, C: Copy, T: Lift<C>>(
+    tree: &Tree<C>,
+    (j, body, qdd): (usize, &Body<C>, T),
+    link: &Link<T>,
+    forces: &Forces<T>,
+    sink: &mut impl Sink<T>,
+) {
+    let zero = T::lift(tree.constants.zero);
+    let mut joints = link.path.iter().zip(&link.screws);
+    for (ancestor, screw) in joints.by_ref().take(link.far) {
+        let columns = match ancestor.slides {
+            false => forces.on_screw(screw),
+            true => forces.on_translation(zero, screw.v),
+        };
+        sink.link(j, ancestor.row, columns.in_order::<ORDER>());
+    }
+    if let Some((ancestor, screw)) = joints.next() {
+        let row = ancestor.row;
+        match link.placing.near {
+            Near::Any => {}
+            Near::Crossed => {
+                let columns = forces.on_crossed(screw);
+                sink.link(j, row, columns.in_order::<ORDER>());
+            }
+            Near::Parallel { opposite } => {
+                let columns = forces.on_parallel(opposite, zero, screw);
+                sink.link(j, row, columns.in_order::<ORDER>());
+            }
+        }
+    }
+    let Some(row) = link.row else { return };
+    let columns = forces.on_own_joint(body, zero);
+    sink.link(j, row, columns.in_order::<ORDER>());
+    if body.rotor {
+        sink.rotor(j, row, T::lift(body.axis_squared) * qdd);
+    }
+}
+
+/// What moves with a link: its state, the joints of its path, and of their screws those that
+/// lie in any way and all others.
+type Moving<'a, T> = (
+    &'a mut BodyState<T>,
+    &'a [Ancestor],
+    &'a mut [Screw<T>],
+    &'a mut [Screw<T>],
+);
+
+/// One body: its motion and its path's screws, from the antecedent's.
 #[inline(always)]
 fn step<C: Copy, T: Lift<C>>(
     frame: &impl Frame<T>,
     tree: &Tree<C>,
-    j: usize,
+    body: &Body<C>,
     motion: &JointMotion<T>,
-    workspace: &mut DynamicsWorkspace<T>,
+    antecedent: Option<&Link<T>>,
+    (state, path, far, near): Moving<'_, T>,
 ) {
-    let body = &tree.bodies[j];
-    let (before, from_here) = workspace.states.split_at_mut(j);
-    let parent = body.antecedent.map(|a| &before[a]);
-    forward(frame, tree, body, motion, parent, &mut from_here[0]);
-    let Span {
-        first,
-        inherited,
-        from,
-    } = workspace.spans[j];
-    let (before, own) = workspace.screws.split_at_mut(first);
-    let (own, from) = (&mut own[..inherited], &before[from..from + inherited]);
-    let ancestors = &workspace.ancestors[first..first + inherited];
-    for k in 0..inherited {
-        let v = frame.take(&from[k].v);
-        if ancestors[k].slides {
-            frame.give(frame.turn(v), &mut own[k].v);
+    forward(
+        frame,
+        tree,
+        body,
+        motion,
+        antecedent.map(|a| &a.state),
+        state,
+    );
+    let Some(antecedent) = antecedent else { return };
+    for ((own, from), ancestor) in far.iter_mut().zip(&antecedent.screws).zip(path) {
+        let v = frame.take(&from.v);
+        if ancestor.slides {
+            own.v = frame.turn(v);
             continue;
         }
-        let e = frame.take(&from[k].e);
-        frame.give(frame.turn(e), &mut own[k].e);
-        frame.give(frame.turn(frame.carry(v, e)), &mut own[k].v);
+        let e = frame.take(&from.e);
+        own.e = frame.turn(e);
+        own.v = frame.turn(frame.carry(v, e));
+    }
+    if let (true, [screw, ..]) = (frame.is_near(), near) {
+        let Constants { zero, one, .. } = tree.constants;
+        (screw.e, screw.v) = frame.near(T::lift(zero), T::lift(one));
     }
 }
 
@@ -256,9 +310,7 @@ fn forward<C: Copy, T: Lift<C>>(
         }
         JointKind::Fixed | JointKind::Floating => {}
     }
-    frame.give(w, &mut state.w);
-    frame.give(dw, &mut state.dw);
-    frame.give(a, &mut state.a);
+    (state.w, state.dw, state.a) = (w, dw, a);
 }
 
 /// U = `[dw]x + [w]x [w]x`.
@@ -271,124 +323,4 @@ pub(crate) fn acceleration_field<T: Scalar>(w: Vec3<T>, dw: Vec3<T>) -> Mat3<T> 
         [xy + dw[2], -(xx + zz), yz - dw[0]],
         [xz - dw[1], yz + dw[0], -(xx + yy)],
     ]
-}
-
-/// The inertia forces of a body, parameter by parameter: the force of a unit first moment
-/// m is `U m` and its moment `m x a`; that of a unit mass is `a`; a unit inertia J gives
-/// the moment `J dw + w x J w`.
-struct Forces<T> {
-    dw: Vec3<T>,
-    a: Vec3<T>,
-    u: Mat3<T>,
-    xy: T,
-    xz: T,
-    yz: T,
-    /// x2 - y2, z2 - x2, y2 - z2 of w.
-    x2_y2: T,
-    z2_x2: T,
-    y2_z2: T,
-}
-
-impl<T: Scalar> Forces<T> {
-    #[inline(always)]
-    fn of(state: &BodyState<T>) -> Self {
-        let (w, dw) = (state.w, state.dw);
-        let (x2, y2, z2) = (w[0] * w[0], w[1] * w[1], w[2] * w[2]);
-        let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
-        Self {
-            dw,
-            a: state.a,
-            u: [
-                [-(y2 + z2), xy - dw[2], xz + dw[1]],
-                [xy + dw[2], -(x2 + z2), yz - dw[0]],
-                [xz - dw[1], yz + dw[0], -(x2 + y2)],
-            ],
-            xy,
-            xz,
-            yz,
-            x2_y2: x2 - y2,
-            z2_x2: z2 - x2,
-            y2_z2: y2 - z2,
-        }
-    }
-
-    /// Their power along a screw, XX to M.
-    #[inline(always)]
-    fn on_screw(&self, screw: &Screw<T>) -> [T; 10] {
-        let ([ex, ey, ez], v) = (screw.e, screw.v);
-        let Self { dw, a, u, .. } = self;
-        [
-            ez.neg_mul_add(self.xy, ey.mul_add(self.xz, dw[0] * ex)),
-            ez.mul_add(self.x2_y2, ex.neg_mul_add(u[2][0], u[2][1] * ey)),
-            ey.mul_add(self.z2_x2, ez.neg_mul_add(u[1][2], u[1][0] * ex)),
-            ez.mul_add(self.xy, ex.neg_mul_add(self.yz, dw[1] * ey)),
-            ex.mul_add(self.y2_z2, ey.neg_mul_add(u[0][1], u[0][2] * ez)),
-            ex.mul_add(self.yz, ey.neg_mul_add(self.xz, dw[2] * ez)),
-            self.along(0, v, ey.neg_mul_add(a[2], a[1] * ez)),
-            self.along(1, v, ez.neg_mul_add(a[0], a[2] * ex)),
-            self.along(2, v, ex.neg_mul_add(a[1], a[0] * ey)),
-            dot(v, *a),
-        ]
-    }
-
-    /// `U' v` along axis k, added to what the rotation gives.
-    #[inline(always)]
-    fn along(&self, k: usize, v: Vec3<T>, turning: T) -> T {
-        let u = &self.u;
-        let sum = u[0][k].mul_add(v[0], turning);
-        u[2][k].mul_add(v[2], u[1][k].mul_add(v[1], sum))
-    }
-
-    /// Their power along a translation.
-    #[inline(always)]
-    fn on_translation<C: Copy>(&self, zero: C, v: Vec3<T>) -> [T; 10]
-    where
-        T: Lift<C>,
-    {
-        let Self { a, u, .. } = self;
-        let zero = T::lift(zero);
-        let column = |k: usize| [u[0][k], u[1][k], u[2][k]];
-        let [mx, my, mz] = [dot(column(0), v), dot(column(1), v), dot(column(2), v)];
-        [zero, zero, zero, zero, zero, zero, mx, my, mz, dot(v, *a)]
-    }
-
-    /// Their power along the unit velocity of the body's own joint: mostly a copy.
-    #[inline(always)]
-    fn on_own_joint<C: Copy>(&self, body: &Body<C>, zero: C) -> [T; 10]
-    where
-        T: Lift<C>,
-    {
-        let axis = lift3(&body.axis);
-        let Self { dw, a, u, .. } = self;
-        let none = T::lift(zero);
-        let aligned = match &body.layout {
-            Layout::Aligned(aligned) => Some((aligned.axis, aligned.reversed)),
-            Layout::General => None,
-        };
-        let columns = match (body.joint, aligned.map(|(along, _)| along)) {
-            (JointKind::Prismatic, _) => return self.on_translation(zero, axis),
-            (_, None) => {
-                return self.on_screw(&Screw {
-                    e: axis,
-                    v: [none; 3],
-                });
-            }
-            (_, Some(0)) => [
-                dw[0], -u[2][0], u[1][0], -self.yz, self.y2_z2, self.yz, none, a[2], -a[1], none,
-            ],
-            (_, Some(1)) => [
-                self.xz, u[2][1], self.z2_x2, dw[1], -u[0][1], -self.xz, -a[2], none, a[0], none,
-            ],
-            (_, Some(_)) => [
-                -self.xy, self.x2_y2, -u[1][2], self.xy, u[0][2], dw[2], a[1], -a[0], none, none,
-            ],
-        };
-        let mut columns = columns;
-        if let Some((_, true)) = aligned {
-            for column in &mut columns {
-                *column = -*column;
-            }
-        }
-        columns
-    }
 }

@@ -1,11 +1,11 @@
 use roberval_mechanism::JointKind;
 use roberval_scalar::{Lift, Scalar};
 
-use crate::frame::{Frame, General, Layout, Right, with_frame};
+use crate::frame::{Frame, General, Placing, Right, usual, with_frame};
 use crate::vector::{Vec3, cross, dot, lift3};
 use crate::{BaseState, JointMotion, Sink, Tree};
 
-/// What the energy of a body needs, in the body's frame.
+/// What the energy of a body needs, in the body's frame with its joint's axis last.
 #[derive(Debug, Clone, Copy)]
 struct BodyState<T> {
     /// Angular velocity.
@@ -18,10 +18,24 @@ struct BodyState<T> {
     height: T,
 }
 
+impl<T: Copy> BodyState<T> {
+    /// The same with the axes x, y, z.
+    #[inline(always)]
+    fn in_usual_order(&self, order: usize) -> Self {
+        Self {
+            w: usual(&self.w, order),
+            v: usual(&self.v, order),
+            g: usual(&self.g, order),
+            height: self.height,
+        }
+    }
+}
+
 /// Working memory of [`energy`], made once for a tree.
 #[derive(Debug, Clone)]
 pub struct EnergyWorkspace<T> {
     states: Vec<BodyState<T>>,
+    placings: Vec<Placing<T>>,
 }
 
 impl<T: Scalar> EnergyWorkspace<T> {
@@ -40,6 +54,7 @@ impl<T: Scalar> EnergyWorkspace<T> {
         };
         Self {
             states: vec![rest; tree.bodies.len()],
+            placings: Placing::of(tree),
         }
     }
 
@@ -70,14 +85,15 @@ pub fn energy<C: Copy, T: Lift<C>>(
 ) {
     let half = T::lift(tree.constants.half);
     for (j, (body, motion)) in tree.bodies.iter().zip(motion).enumerate() {
-        let states = &mut workspace.states;
+        let (states, placing) = (&mut workspace.states, &workspace.placings[j]);
         if body.joint != JointKind::Floating {
-            with_frame!(body, motion, forward, tree, j, motion, states);
+            with_frame!(body, placing, motion, forward, tree, j, motion, states);
         }
         if body.massless {
             continue;
         }
-        sink.link(j, 0, link_energy(&states[j], half));
+        let state = states[j].in_usual_order(body.layout.order());
+        sink.link(j, 0, link_energy(&state, half));
         if body.rotor {
             let squared = T::lift(body.axis_squared);
             sink.rotor(j, 0, half * motion.qd * motion.qd * squared);
@@ -113,11 +129,12 @@ fn forward<C: Copy, T: Lift<C>>(
         JointKind::Prismatic => v = frame.along_axis(v, motion.qd),
         JointKind::Fixed | JointKind::Floating => {}
     }
-    let state = &mut states[j];
-    frame.give(w, &mut state.w);
-    frame.give(v, &mut state.v);
-    frame.give(frame.turn(g), &mut state.g);
-    state.height = frame.rise(height, g);
+    states[j] = BodyState {
+        w,
+        v,
+        height: frame.rise(height, g),
+        g: frame.turn(g),
+    };
 }
 
 /// The ten functions h_i of a link (Gautier 1991, eq. (10)).

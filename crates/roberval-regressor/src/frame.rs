@@ -5,9 +5,9 @@ use roberval_mechanism::JointKind;
 use roberval_scalar::{Lift, Scalar};
 
 use crate::vector::{
-    Mat3, Vec3, add, apply, apply_transposed, cross, dot, lift3, lift9, product, scale,
+    Mat3, Vec3, add, apply, apply_transposed, cross, dot, lift3, lift9, negative, product, scale,
 };
-use crate::{Body, JointMotion};
+use crate::{Body, JointMotion, Tree};
 
 /// What is known of a body's placement beyond its numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -39,7 +39,106 @@ pub struct Aligned {
     pub offsets: u8,
 }
 
+/// How a body's frame lies in its antecedent's, each with its axes in its own order
+/// ([`Layout::order`]).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Placing<T> {
+    /// The number of the frame in [`with_frame`]; all above are any placement.
+    pub frame: u8,
+    /// Order of the antecedent's axes, and of the body's.
+    before: usize,
+    pub order: usize,
+    /// The origin, in the order of a frame at right angles.
+    origin: Vec3<T>,
+    /// See [`Aligned`].
+    quarters: u8,
+    reversed: bool,
+    /// How the axis of the antecedent's joint lies, and whether it points against its own.
+    pub near: Near,
+    against: bool,
+}
+
+impl<T: Scalar> Placing<T> {
+    /// The placing of each body.
+    pub(crate) fn of<C: Copy>(tree: &Tree<C>) -> Vec<Self>
+    where
+        T: Lift<C>,
+    {
+        let of = |body: &Body<C>| Self::new(body, body.antecedent.map(|a| &tree.bodies[a]));
+        tree.bodies.iter().map(of).collect()
+    }
+
+    fn new<C: Copy>(body: &Body<C>, antecedent: Option<&Body<C>>) -> Self
+    where
+        T: Lift<C>,
+    {
+        let before = antecedent.map_or(2, |a| a.layout.order());
+        let any = Self {
+            frame: u8::MAX,
+            before,
+            order: body.layout.order(),
+            origin: lift3(&body.origin),
+            quarters: 0,
+            reversed: false,
+            near: Near::Any,
+            against: false,
+        };
+        let Layout::Aligned(aligned) = body.layout else {
+            return any;
+        };
+        let onto = (aligned.onto + 3 - before) % 3;
+        let offsets = match aligned.offsets {
+            0 => 0,
+            AXIAL => 1,
+            _ => 2,
+        };
+        let turning = antecedent.filter(|a| a.joint == JointKind::Revolute);
+        let its = match turning.map(|a| a.layout) {
+            Some(Layout::Aligned(its)) => Some(its),
+            _ => None,
+        };
+        Self {
+            frame: (6 * onto + 2 * offsets) as u8 + u8::from(aligned.flip),
+            origin: ordered(&any.origin, aligned.onto),
+            quarters: aligned.quarters,
+            reversed: aligned.reversed,
+            near: match its {
+                None => Near::Any,
+                Some(_) if onto != 0 => Near::Crossed,
+                Some(its) => Near::Parallel {
+                    opposite: its.reversed != aligned.flip,
+                },
+            },
+            against: its.is_some_and(|its| its.reversed),
+            ..any
+        }
+    }
+}
+
+/// How the axis of the antecedent's turning joint lies to that of a body's joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Near {
+    /// In any way.
+    Any,
+    /// At a right angle.
+    Crossed,
+    /// Parallel.
+    Parallel {
+        /// Whether it points against it.
+        opposite: bool,
+    },
+}
+
 impl Layout {
+    /// The recursion takes a body's axes in turn so that the joint's comes last: x, y, z (2),
+    /// y, z, x (0) or z, x, y (1).
+    pub(crate) fn order(&self) -> usize {
+        match self {
+            Self::General => 2,
+            Self::Aligned(aligned) => aligned.axis,
+        }
+    }
+
     /// The layout of a body given in floats.
     #[must_use]
     pub fn of(
@@ -97,6 +196,23 @@ impl Layout {
     }
 }
 
+/// A vector of three in another order: which axis comes first, second, third.
+#[inline(always)]
+pub(crate) fn ordered<T: Copy>(v: &Vec3<T>, order: usize) -> Vec3<T> {
+    let [x, y, z] = turned(order);
+    [v[x], v[y], v[z]]
+}
+
+/// Undoes [`ordered`].
+#[inline(always)]
+pub(crate) fn usual<T: Copy>(v: &Vec3<T>, order: usize) -> Vec3<T> {
+    match order {
+        0 => [v[2], v[0], v[1]],
+        1 => [v[1], v[2], v[0]],
+        _ => *v,
+    }
+}
+
 /// The axes that follow axis k in turn, then k itself.
 #[inline(always)]
 fn turned(k: usize) -> [usize; 3] {
@@ -109,13 +225,9 @@ fn turned(k: usize) -> [usize; 3] {
 
 /// A body's frame with its joint moved: R is the rotation to the antecedent's frame, p
 /// the origin in it.
-///
-/// Each frame takes the antecedent's vectors in its own order of components.
 pub(crate) trait Frame<T: Scalar> {
-    /// A vector of the antecedent in this order.
+    /// A vector of the antecedent with its axes as this frame wants them.
     fn take(&self, v: &Vec3<T>) -> Vec3<T>;
-    /// A vector of this frame in its usual order.
-    fn give(&self, v: Vec3<T>, to: &mut Vec3<T>);
     /// R' v
     fn turn(&self, v: Vec3<T>) -> Vec3<T>;
     /// `v + e x p`
@@ -128,6 +240,10 @@ pub(crate) trait Frame<T: Scalar> {
     fn along_axis(&self, v: Vec3<T>, s: T) -> Vec3<T>;
     /// `v + s (w x axis)`
     fn across_axis(&self, v: Vec3<T>, w: Vec3<T>, s: T) -> Vec3<T>;
+    /// Whether the antecedent's joint has an axis at right angles to the joint's.
+    fn is_near(&self) -> bool;
+    /// Its screw: e in this frame and the origin's velocity.
+    fn near(&self, zero: T, one: T) -> (Vec3<T>, Vec3<T>);
 }
 
 /// Any placement.
@@ -135,11 +251,17 @@ pub(crate) struct General<T> {
     rotation: Mat3<T>,
     origin: Vec3<T>,
     axis: Vec3<T>,
+    /// Order of the antecedent's axes.
+    order: usize,
 }
 
 impl<T: Scalar> General<T> {
     #[inline(always)]
-    pub(crate) fn new<C: Copy>(body: &Body<C>, motion: &JointMotion<T>) -> Self
+    pub(crate) fn new<C: Copy>(
+        body: &Body<C>,
+        placing: &Placing<T>,
+        motion: &JointMotion<T>,
+    ) -> Self
     where
         T: Lift<C>,
     {
@@ -157,6 +279,7 @@ impl<T: Scalar> General<T> {
             rotation,
             origin,
             axis,
+            order: placing.before,
         }
     }
 }
@@ -164,12 +287,7 @@ impl<T: Scalar> General<T> {
 impl<T: Scalar> Frame<T> for General<T> {
     #[inline(always)]
     fn take(&self, v: &Vec3<T>) -> Vec3<T> {
-        *v
-    }
-
-    #[inline(always)]
-    fn give(&self, v: Vec3<T>, to: &mut Vec3<T>) {
-        *to = v;
+        usual(v, self.order)
     }
 
     #[inline(always)]
@@ -184,7 +302,14 @@ impl<T: Scalar> Frame<T> for General<T> {
 
     #[inline(always)]
     fn at_origin(&self, a: Vec3<T>, u: &Mat3<T>) -> Vec3<T> {
-        add(a, apply(u, self.origin))
+        let rows = usual(u, self.order);
+        let [x, y, z] = &rows;
+        let u = [
+            usual(x, self.order),
+            usual(y, self.order),
+            usual(z, self.order),
+        ];
+        add(a, apply(&u, self.origin))
     }
 
     #[inline(always)]
@@ -203,43 +328,59 @@ impl<T: Scalar> Frame<T> for General<T> {
     }
 
     #[inline(always)]
+    fn is_near(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn near(&self, zero: T, _: T) -> (Vec3<T>, Vec3<T>) {
+        // Not called: in any directions nothing is near.
+        ([zero; 3], [zero; 3])
+    }
+
+    #[inline(always)]
     fn across_axis(&self, v: Vec3<T>, w: Vec3<T>, s: T) -> Vec3<T> {
         add(v, cross(w, scale(self.axis, s)))
     }
 }
 
-/// Right angles; which components of the origin are there and whether the axes are
-/// opposite is known when this is compiled.
-pub(crate) struct Right<T, const OFFSETS: u8, const FLIP: bool> {
+/// Bit of the offset along the joint's axis.
+const AXIAL: u8 = 0b100;
+
+/// Right angles. Which of the antecedent's axes is the joint's, which components the origin
+/// may have and whether the axes are opposite is known when this is compiled.
+pub(crate) struct Right<'a, T, const FRAME: u8> {
     /// Cosine and sine of the whole turn, and minus the sine.
     c: T,
     s: T,
     minus_s: T,
-    /// p in this frame's order; components not in OFFSETS are never looked at.
+    /// p in this frame's order; components that it never has are not looked at.
     p: Vec3<T>,
-    /// See [`Aligned`].
-    reversed: bool,
-    from: [usize; 3],
-    to: [usize; 3],
+    placing: &'a Placing<T>,
 }
 
-impl<T: Scalar, const OFFSETS: u8, const FLIP: bool> Right<T, OFFSETS, FLIP> {
+impl<'a, T: Scalar, const FRAME: u8> Right<'a, T, FRAME> {
+    /// Which of the antecedent's axes is parallel to the joint's: 0, its own joint's, the
+    /// last; 1 and 2, the first and the second.
+    const ONTO: usize = FRAME as usize / 6;
+    /// See [`Aligned`].
+    const OFFSETS: u8 = [0, AXIAL, 0b111][FRAME as usize / 2 % 3];
+    const FLIP: bool = FRAME % 2 == 1;
+
     #[inline(always)]
-    pub(crate) fn new<C: Copy>(body: &Body<C>, aligned: &Aligned, motion: &JointMotion<T>) -> Self
-    where
-        T: Lift<C>,
-    {
-        let (from, to) = (turned(aligned.onto), turned(aligned.axis));
-        let origin: Vec3<T> = lift3(&body.origin);
-        let mut p = [origin[from[0]], origin[from[1]], origin[from[2]]];
-        let (mut c, mut s) = (motion.cos, motion.sin);
+    pub(crate) fn new<C: Copy>(
+        body: &Body<C>,
+        placing: &'a Placing<T>,
+        motion: &JointMotion<T>,
+    ) -> Self {
+        let (mut c, mut s, mut p) = (motion.cos, motion.sin, placing.origin);
         match body.joint {
-            JointKind::Revolute if aligned.reversed => s = -s,
-            JointKind::Prismatic if aligned.reversed != FLIP => p[2] = p[2] - motion.q,
+            JointKind::Revolute if placing.reversed => s = -s,
+            JointKind::Prismatic if placing.reversed != Self::FLIP => p[2] = p[2] - motion.q,
             JointKind::Prismatic => p[2] = p[2] + motion.q,
             JointKind::Revolute | JointKind::Fixed | JointKind::Floating => {}
         }
-        (c, s) = match aligned.quarters {
+        (c, s) = match placing.quarters {
             0 => (c, s),
             1 => (-s, c),
             2 => (-c, -s),
@@ -250,36 +391,85 @@ impl<T: Scalar, const OFFSETS: u8, const FLIP: bool> Right<T, OFFSETS, FLIP> {
             s,
             minus_s: -s,
             p,
-            reversed: aligned.reversed,
-            from,
-            to,
+            placing,
+        }
+    }
+
+    /// Where the first of the antecedent's axes, in this frame's order, turns to, and its
+    /// product with p.
+    #[inline(always)]
+    fn first(&self, zero: T) -> (Vec3<T>, Vec3<T>) {
+        let ([x, y], p) = (self.turned_second(), &self.p);
+        let mut v = [zero; 3];
+        if Self::has(2) {
+            (v[0], v[1]) = (-(x * p[2]), -(y * p[2]));
+        }
+        if Self::has(1) {
+            v[2] = if Self::FLIP { -p[1] } else { p[1] };
+        }
+        ([self.c, self.minus_s, zero], v)
+    }
+
+    /// The same of the second axis.
+    #[inline(always)]
+    fn second(&self, zero: T) -> (Vec3<T>, Vec3<T>) {
+        let ([x, y], p) = (self.turned_second(), &self.p);
+        let mut v = [zero; 3];
+        if Self::has(2) {
+            (v[0], v[1]) = (self.c * p[2], self.minus_s * p[2]);
+        }
+        if Self::has(0) {
+            v[2] = if Self::FLIP { p[0] } else { -p[0] };
+        }
+        ([x, y, zero], v)
+    }
+
+    /// The same of the third axis, which is parallel to the joint's.
+    #[inline(always)]
+    fn third(&self, zero: T, one: T) -> (Vec3<T>, Vec3<T>) {
+        let ([x, y], p) = (self.turned_second(), &self.p);
+        let mut v = [zero; 3];
+        if Self::has(0) {
+            (v[0], v[1]) = (x * p[0], y * p[0]);
+        }
+        if Self::has(1) {
+            v[0] = self.c.neg_mul_add(p[1], v[0]);
+            v[1] = self.s.mul_add(p[1], v[1]);
+        }
+        ([zero, zero, if Self::FLIP { -one } else { one }], v)
+    }
+
+    /// The first two components of the second axis, turned.
+    #[inline(always)]
+    fn turned_second(&self) -> [T; 2] {
+        if Self::FLIP {
+            [self.minus_s, -self.c]
+        } else {
+            [self.s, self.c]
         }
     }
 
     /// Whether p has component k.
     #[inline(always)]
     fn has(k: u8) -> bool {
-        OFFSETS & (1 << k) != 0
+        Self::OFFSETS & (1 << k) != 0
     }
 }
 
-impl<T: Scalar, const OFFSETS: u8, const FLIP: bool> Frame<T> for Right<T, OFFSETS, FLIP> {
+impl<T: Scalar, const FRAME: u8> Frame<T> for Right<'_, T, FRAME> {
     #[inline(always)]
     fn take(&self, v: &Vec3<T>) -> Vec3<T> {
-        [v[self.from[0]], v[self.from[1]], v[self.from[2]]]
-    }
-
-    #[inline(always)]
-    fn give(&self, v: Vec3<T>, to: &mut Vec3<T>) {
-        to[self.to[0]] = v[0];
-        to[self.to[1]] = v[1];
-        to[self.to[2]] = v[2];
+        [
+            v[Self::ONTO % 3],
+            v[(Self::ONTO + 1) % 3],
+            v[(Self::ONTO + 2) % 3],
+        ]
     }
 
     #[inline(always)]
     fn turn(&self, v: Vec3<T>) -> Vec3<T> {
         let (c, s) = (self.c, self.s);
-        if FLIP {
+        if Self::FLIP {
             let y = v[1].neg_mul_add(c, self.minus_s * v[0]);
             [v[1].neg_mul_add(s, c * v[0]), y, -v[2]]
         } else {
@@ -311,8 +501,9 @@ impl<T: Scalar, const OFFSETS: u8, const FLIP: bool> Frame<T> for Right<T, OFFSE
         let mut sum = a;
         for k in 0..3 {
             if Self::has(k as u8) {
-                for (sum, &row) in sum.iter_mut().zip(&self.from) {
-                    *sum = u[row][self.from[k]].mul_add(self.p[k], *sum);
+                for (row, sum) in sum.iter_mut().enumerate() {
+                    let entry = u[(Self::ONTO + row) % 3][(Self::ONTO + k) % 3];
+                    *sum = entry.mul_add(self.p[k], *sum);
                 }
             }
         }
@@ -332,36 +523,54 @@ impl<T: Scalar, const OFFSETS: u8, const FLIP: bool> Frame<T> for Right<T, OFFSE
 
     #[inline(always)]
     fn along_axis(&self, v: Vec3<T>, s: T) -> Vec3<T> {
-        let z = if self.reversed { v[2] - s } else { v[2] + s };
+        let z = if self.placing.reversed {
+            v[2] - s
+        } else {
+            v[2] + s
+        };
         [v[0], v[1], z]
     }
 
     #[inline(always)]
+    fn is_near(&self) -> bool {
+        self.placing.near != Near::Any
+    }
+
+    #[inline(always)]
+    fn near(&self, zero: T, one: T) -> (Vec3<T>, Vec3<T>) {
+        let (e, v) = match Self::ONTO {
+            // The antecedent's own axis is the last there, here it is the first.
+            2 => self.first(zero),
+            1 => self.second(zero),
+            _ => self.third(zero, one),
+        };
+        match self.placing.against {
+            true => (negative(e), negative(v)),
+            false => (e, v),
+        }
+    }
+
+    #[inline(always)]
     fn across_axis(&self, v: Vec3<T>, w: Vec3<T>, s: T) -> Vec3<T> {
-        let s = if self.reversed { -s } else { s };
+        let s = if self.placing.reversed { -s } else { s };
         [w[1].mul_add(s, v[0]), w[0].neg_mul_add(s, v[1]), v[2]]
     }
 }
 
-/// Calls `$step(frame, arguments)` with the frame that fits the body's layout.
+/// Calls `$step(frame, arguments)` with the frame that fits the body's placing.
 macro_rules! with_frame {
-    ($body:expr, $motion:expr, $step:ident, $($argument:expr),*) => {
-        with_frame!(@match $body, $motion, $step, [$($argument),*],
-            0 1 2 3 4 5 6 7)
+    ($body:expr, $placing:expr, $motion:expr, $step:ident, $($argument:expr),*) => {
+        with_frame!(@of $body, $placing, $motion, $step, [$($argument),*],
+            0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17)
     };
-    (@match $body:expr, $motion:expr, $step:ident, $arguments:tt, $($offsets:literal)*) => {
-        match &$body.layout {
-            Layout::General => with_frame!(@call $step, General::new($body, $motion), $arguments),
-            Layout::Aligned(aligned) => match (aligned.offsets, aligned.flip) {
-                $(
-                    ($offsets, false) => with_frame!(@call $step,
-                        Right::<_, $offsets, false>::new($body, aligned, $motion), $arguments),
-                    ($offsets, true) => with_frame!(@call $step,
-                        Right::<_, $offsets, true>::new($body, aligned, $motion), $arguments),
-                )*
-                // There are no other combinations of three bits.
-                _ => with_frame!(@call $step, General::new($body, $motion), $arguments),
-            },
+    (@of $body:expr, $placing:expr, $motion:expr, $step:ident, $arguments:tt,
+     $($frame:literal)*) => {
+        match $placing.frame {
+            $(
+                $frame => with_frame!(@call $step,
+                    Right::<_, $frame>::new($body, $placing, $motion), $arguments),
+            )*
+            _ => with_frame!(@call $step, General::new($body, $placing, $motion), $arguments),
         }
     };
     (@call $step:ident, $frame:expr, [$($argument:expr),*]) => {
@@ -376,7 +585,7 @@ mod tests {
     use roberval_testkit::{Angles, Family};
 
     use super::*;
-    use crate::{DenseRows, DynamicsWorkspace, EnergyWorkspace, Tree, dynamics, energy};
+    use crate::{DenseRows, DynamicsWorkspace, EnergyWorkspace, dynamics, energy};
 
     /// Rounding of a few thousand operations, relative to the largest entry.
     const ROUNDING: f64 = 1e-14;

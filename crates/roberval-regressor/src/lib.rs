@@ -16,6 +16,7 @@ mod dynamics;
 mod energy;
 mod exact;
 mod expansion;
+mod forces;
 mod formulas;
 mod frame;
 mod lanes;

@@ -1,0 +1,249 @@
+//! The inertia forces of a body and their power along the joints of its path: the columns.
+
+use roberval_mechanism::JointKind;
+use roberval_scalar::{Lift, Scalar};
+
+use crate::Body;
+use crate::dynamics::{BodyState, Screw};
+use crate::frame::{Layout, ordered, usual};
+use crate::vector::{Mat3, Vec3, dot, lift3};
+
+/// All three components of a vector.
+const ALL: u8 = 0b111;
+
+/// The first two.
+const NOT_LAST: u8 = 0b011;
+
+/// The inertia forces of a body, parameter by parameter: the force of a unit first moment
+/// m is `U m` and its moment `m x a`; that of a unit mass is `a`; a unit inertia J gives
+/// the moment `J dw + w x J w`.
+///
+/// The axes x, y, z may be the body's y, z, x or z, x, y as well: see [`Columns::in_order`].
+pub(crate) struct Forces<T> {
+    dw: Vec3<T>,
+    a: Vec3<T>,
+    pub u: Mat3<T>,
+    /// Entry k is w_i w_j.
+    products: Vec3<T>,
+    /// Entry k is w_i^2 - w_j^2.
+    differences: Vec3<T>,
+}
+
+impl<T: Scalar> Forces<T> {
+    #[inline(always)]
+    pub(crate) fn of(state: &BodyState<T>) -> Self {
+        let (w, dw) = (state.w, state.dw);
+        let (x2, y2, z2) = (w[0] * w[0], w[1] * w[1], w[2] * w[2]);
+        let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
+        Self {
+            dw,
+            a: state.a,
+            u: [
+                [-(y2 + z2), xy - dw[2], xz + dw[1]],
+                [xy + dw[2], -(x2 + z2), yz - dw[0]],
+                [xz - dw[1], yz + dw[0], -(x2 + y2)],
+            ],
+            products: [yz, xz, xy],
+            differences: [y2 - z2, z2 - x2, x2 - y2],
+        }
+    }
+
+    /// Their power along a screw.
+    #[inline(always)]
+    pub(crate) fn on_screw(&self, screw: &Screw<T>) -> Columns<T> {
+        self.on::<ALL>(screw)
+    }
+
+    /// The same where e has no other components than those whose bits are set in E, of which
+    /// there are at least two.
+    #[inline(always)]
+    fn on<const E: u8>(&self, screw: &Screw<T>) -> Columns<T> {
+        let (e, v) = (&screw.e, &screw.v);
+        let [mx, my, mz] = self.first_moments::<E>(e);
+        Columns {
+            squares: self.squares::<E>(e),
+            mixed: self.mixed::<E>(e),
+            first: [
+                self.along(0, v, mx),
+                self.along(1, v, my),
+                self.along(2, v, mz),
+            ],
+            mass: dot(*v, self.a),
+        }
+    }
+
+    /// XX, YY and ZZ.
+    #[inline(always)]
+    fn squares<const E: u8>(&self, e: &Vec3<T>) -> [T; 3] {
+        let (dw, p) = (&self.dw, &self.products);
+        [
+            turning::<E, T>(e, [(0, dw[0]), (1, p[1])], (2, p[2])),
+            turning::<E, T>(e, [(1, dw[1]), (2, p[2])], (0, p[0])),
+            turning::<E, T>(e, [(2, dw[2]), (0, p[0])], (1, p[1])),
+        ]
+    }
+
+    /// YZ, XZ and XY.
+    #[inline(always)]
+    fn mixed<const E: u8>(&self, e: &Vec3<T>) -> [T; 3] {
+        let (u, d) = (&self.u, &self.differences);
+        [
+            turning::<E, T>(e, [(2, u[0][2]), (0, d[0])], (1, u[0][1])),
+            turning::<E, T>(e, [(0, u[1][0]), (1, d[1])], (2, u[1][2])),
+            turning::<E, T>(e, [(1, u[2][1]), (2, d[2])], (0, u[2][0])),
+        ]
+    }
+
+    /// `a x e`: of MX, MY and MZ what rotation takes.
+    #[inline(always)]
+    fn first_moments<const E: u8>(&self, e: &Vec3<T>) -> [T; 3] {
+        let a = &self.a;
+        [
+            crossed::<E, T>(e, (2, a[1]), (1, a[2])),
+            crossed::<E, T>(e, (0, a[2]), (2, a[0])),
+            crossed::<E, T>(e, (1, a[0]), (0, a[1])),
+        ]
+    }
+
+    /// `U' v` along axis k, added to what the rotation gives.
+    #[inline(always)]
+    fn along(&self, k: usize, v: &Vec3<T>, turning: T) -> T {
+        let u = &self.u;
+        let sum = u[0][k].mul_add(v[0], turning);
+        u[2][k].mul_add(v[2], u[1][k].mul_add(v[1], sum))
+    }
+
+    /// Their power along a translation.
+    #[inline(always)]
+    pub(crate) fn on_translation(&self, zero: T, v: Vec3<T>) -> Columns<T> {
+        let Self { a, u, .. } = self;
+        let column = |k: usize| [u[0][k], u[1][k], u[2][k]];
+        Columns {
+            squares: [zero; 3],
+            mixed: [zero; 3],
+            first: [dot(column(0), v), dot(column(1), v), dot(column(2), v)],
+            mass: dot(v, *a),
+        }
+    }
+
+    /// Their power along a screw at a right angle to the last axis.
+    #[inline(always)]
+    pub(crate) fn on_crossed(&self, screw: &Screw<T>) -> Columns<T> {
+        self.on::<NOT_LAST>(screw)
+    }
+
+    /// Their power along a screw parallel to the last axis, of unit length: v is at a right
+    /// angle to it.
+    #[inline(always)]
+    pub(crate) fn on_parallel(&self, opposite: bool, zero: T, screw: &Screw<T>) -> Columns<T> {
+        let mut columns = self.on_last_axis(opposite, zero);
+        let (u, [x, y, _]) = (&self.u, screw.v);
+        let [mx, my, _] = columns.first;
+        columns.first = [
+            u[1][0].mul_add(y, u[0][0].mul_add(x, mx)),
+            u[1][1].mul_add(y, u[0][1].mul_add(x, my)),
+            u[1][2].mul_add(y, u[0][2] * x),
+        ];
+        columns.mass = self.a[1].mul_add(y, self.a[0] * x);
+        columns
+    }
+
+    /// Their power about the last axis, or against it: mostly a copy.
+    #[inline(always)]
+    fn on_last_axis(&self, opposite: bool, zero: T) -> Columns<T> {
+        let Self { dw, a, u, .. } = self;
+        let (xy, x2_y2) = (self.products[2], self.differences[2]);
+        let (squares, mixed, first) = match opposite {
+            false => (
+                [-xy, xy, dw[2]],
+                [u[0][2], -u[1][2], x2_y2],
+                [a[1], -a[0], zero],
+            ),
+            true => (
+                [xy, -xy, -dw[2]],
+                [-u[0][2], u[1][2], -x2_y2],
+                [-a[1], a[0], zero],
+            ),
+        };
+        Columns {
+            squares,
+            mixed,
+            first,
+            mass: zero,
+        }
+    }
+
+    /// Their power along the unit velocity of the body's own joint.
+    #[inline(always)]
+    pub(crate) fn on_own_joint<C: Copy>(&self, body: &Body<C>, zero: T) -> Columns<T>
+    where
+        T: Lift<C>,
+    {
+        match (body.joint, &body.layout) {
+            (JointKind::Prismatic, _) => self.on_translation(zero, axis(body)),
+            (_, Layout::Aligned(aligned)) => self.on_last_axis(aligned.reversed, zero),
+            (_, Layout::General) => self.on_screw(&Screw {
+                e: axis(body),
+                v: [zero; 3],
+            }),
+        }
+    }
+}
+
+/// The joint's axis in the body's frame, its axes in their order.
+#[inline(always)]
+fn axis<C: Copy, T: Lift<C>>(body: &Body<C>) -> Vec3<T> {
+    ordered(&lift3(&body.axis), body.layout.order())
+}
+
+/// Entries of a body's ten inertial columns.
+pub(crate) struct Columns<T> {
+    /// XX, YY and ZZ.
+    squares: [T; 3],
+    /// YZ, XZ and XY.
+    mixed: [T; 3],
+    /// MX, MY and MZ.
+    first: [T; 3],
+    /// M.
+    mass: T,
+}
+
+impl<T: Copy> Columns<T> {
+    /// XX to M, where the axes are the body's in this order.
+    #[inline(always)]
+    pub(crate) fn in_order<const ORDER: usize>(&self) -> [T; 10] {
+        let [xx, yy, zz] = usual(&self.squares, ORDER);
+        let [yz, xz, xy] = usual(&self.mixed, ORDER);
+        let [mx, my, mz] = usual(&self.first, ORDER);
+        [xx, xy, xz, yy, yz, zz, mx, my, mz, self.mass]
+    }
+}
+
+/// The sum of two products with components of e less a third one, e having only the
+/// components of E.
+#[inline(always)]
+fn turning<const E: u8, T: Scalar>(
+    e: &Vec3<T>,
+    [(i, first), (j, second)]: [(usize, T); 2],
+    (k, less): (usize, T),
+) -> T {
+    let sum = match (E >> i & 1, E >> j & 1) {
+        (0, _) => e[j] * second,
+        (_, 0) => e[i] * first,
+        _ => e[j].mul_add(second, e[i] * first),
+    };
+    match E >> k & 1 {
+        0 => sum,
+        _ => e[k].neg_mul_add(less, sum),
+    }
+}
+
+/// The difference of two products with components of e.
+#[inline(always)]
+fn crossed<const E: u8, T: Scalar>(e: &Vec3<T>, (i, more): (usize, T), (j, less): (usize, T)) -> T {
+    match (E >> i & 1, E >> j & 1) {
+        (0, _) => -(e[j] * less),
+        (_, 0) => e[i] * more,
+        _ => e[j].neg_mul_add(less, e[i] * more),
+    }
+}
