@@ -38,7 +38,8 @@ def test_everything_exported_is_there_and_described() -> None:
 
 def test_public_methods_say_what_they_return_and_raise() -> None:
     for kind in (rv.Robot, rv.BaseParameters, rv.Comparison, rv.Diagnosis):
-        for name, item in vars(kind).items():
+        for name in dir(kind):
+            item = inspect.getattr_static(kind, name)
             if not name.startswith("_") and (callable(item) or isinstance(item, property)):
                 assert item.__doc__, f"{kind.__name__}.{name}"
 

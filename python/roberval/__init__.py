@@ -8,8 +8,9 @@
 """
 
 from ._core import __version__
-from .base import BaseParameters, Comparison, Relations, Route
+from .base import BaseParameters
 from .code import Code, Compiled, Count
+from .comparison import Comparison, Route
 from .conventions import Convention, ParameterOrder, convention
 from .description import Couple, Link, Loop
 from .diagnosis import Blame, Diagnosis, Literal, Precision, Structure, Witness
@@ -33,6 +34,7 @@ from .loading import CatalogueEntry, Cleaned, catalogue, clean_file, load
 from .options import Choice, Engine, Model, Number, Snap
 from .reducing import reduce_dataset
 from .reduction import ObservationQR
+from .relations import Relations
 from .robot import Robot
 from .scaling import Grade, Scaling
 from .symbolic import SymbolicRelations

@@ -5,10 +5,8 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +20,7 @@ from .errors import DoubtfulRankWarning, MissingPackageError, OptionError, Robot
 from .exact import Exact, coefficient
 from .options import Options
 from .plots import BasePlots
+from .relations import Relations
 from .rendering import Rendered
 from .symbolic import SymbolicRelations
 
@@ -39,37 +38,6 @@ CLASSES = {
     "regrouped": "rgba(224, 144, 32, 0.35)",
 }
 """The classes of parameters and the colours that notebooks show them in."""
-
-
-class Relations(Mapping[str, Mapping[str, float]]):
-    """The relations of the base parameters: label -> {label: coefficient}, itself included.
-
-    ``str()`` gives those that are not trivial in the field's notation.
-    """
-
-    __slots__ = ("_terms", "text")
-
-    text: tuple[str, ...]
-    """The relations that are not trivial, such as ``XXR_6 = XX_6 - YY_6``."""
-
-    def __init__(self, terms: dict[str, dict[str, float]], text: Iterable[str]) -> None:
-        self._terms = terms
-        self.text = tuple(text)
-
-    def __getitem__(self, label: str) -> Mapping[str, float]:
-        return MappingProxyType(self._terms[label])
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._terms)
-
-    def __len__(self) -> int:
-        return len(self._terms)
-
-    def __str__(self) -> str:
-        return "\n".join(self.text)
-
-    def __repr__(self) -> str:
-        return f"Relations({self._terms!r})"
 
 
 class BaseParameters(Rendered):
@@ -550,90 +518,9 @@ class BaseParameters(Rendered):
         )
 
 
-@dataclass(frozen=True)
-class Route:
-    """One model analysed by one engine.
-
-    Attributes
-    ----------
-    answer : BaseParameters
-        What this route found.
-    same_columns : bool
-        Whether it has the first route's columns without effect, kept and regrouped.
-    beta_difference : float
-        Largest difference to the first route's beta, relative to its largest entry.
-    """
-
-    answer: BaseParameters
-    same_columns: bool
-    beta_difference: float
-
-
 def analyse(
     robot: Robot, options: Options, samples: tuple[Array, Array, Array] | None = None
 ) -> BaseParameters:
     """Find the base parameters of a robot with these options, at random samples or at those."""
     core = robot._inner.base_parameters(options, *(samples or ()))
     return BaseParameters._of(robot, options, core, samples)
-
-
-def _of_route(options: Options, answer: _core.Answer) -> Options:
-    return {**options, "model": answer.model, "engine": answer.engine}
-
-
-class Comparison(Rendered):
-    """All models by all engines. Made by `Robot.compare`.
-
-    Attributes
-    ----------
-    agree : bool
-        Whether all give one answer and none is in doubt.
-    routes : tuple of Route
-        Model by model, engine by engine.
-    doubts : tuple of str
-        Why they are not one clear answer; empty if they are.
-    """
-
-    __slots__ = ("agree", "doubts", "routes")
-
-    _inner: _core.Comparison
-    agree: bool
-    routes: tuple[Route, ...]
-    doubts: tuple[str, ...]
-
-    def __init__(self) -> None:
-        raise TypeError("make a Comparison with Robot.compare")
-
-    @classmethod
-    def _of(cls, robot: Robot, options: Options, core: _core.Comparison) -> Comparison:
-        comparison = object.__new__(cls)
-        comparison._inner = core
-        comparison.agree = core.agree
-        comparison.doubts = tuple(core.doubts)
-        comparison.routes = tuple(
-            Route(BaseParameters._of(robot, _of_route(options, answer), answer), same, difference)
-            for answer, same, difference in core.routes
-        )
-        return comparison
-
-    def __repr__(self) -> str:
-        ranks = sorted({route.answer.rank for route in self.routes})
-        verdict = "agree" if self.agree else "do not agree"
-        found = ", ".join(map(str, ranks))
-        return f"Comparison({len(self.routes)} routes {verdict}: {found} base parameters)"
-
-    def _repr_html_(self) -> str:
-        header = ["model", "engine", "base parameters", "same columns", "beta differs", "clear"]
-        rows = (
-            [
-                route.answer.model,
-                route.answer.engine,
-                str(route.answer.rank),
-                "yes" if route.same_columns else "no",
-                f"{route.beta_difference:.1e}",
-                "yes" if route.answer.diagnosis.clear else "no",
-            ]
-            for route in self.routes
-        )
-        doubts = "".join(rendering.paragraph(doubt) for doubt in self.doubts)
-        return rendering.paragraph(repr(self)) + doubts + rendering.grid(header, rows)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import secrets
+from contextlib import suppress
 from pathlib import Path
 
 
@@ -22,6 +23,11 @@ def write(path: str | os.PathLike[str], content: str | bytes) -> Path:
         if place.exists():
             draft.chmod(place.stat().st_mode & 0o777)
         draft.replace(place)
+    except OSError as error:
+        # Tell of the file that was asked for, not of its draft.
+        error.filename, error.filename2 = os.fspath(path), None
+        raise
     finally:
-        draft.unlink(missing_ok=True)
+        with suppress(OSError):
+            draft.unlink()
     return target

@@ -66,6 +66,13 @@ impl Files {
         std::fs::write(self.0.join(name), text).expect("written");
     }
 
+    /// Writes a robot's certificate, to be accepted; its length.
+    fn accepted(&self, name: &str, robot: &Mechanism, model: Model) -> usize {
+        let text = text(robot, model, &decide(robot, model));
+        self.write(&format!("accepted-{name}.json"), &text);
+        text.len()
+    }
+
     /// Runs `tests/certificates.py` on the directory: it expects what the files' names
     /// begin with. Skips, and says so, where there is no Python.
     fn check(&self, how: &str) {
@@ -94,51 +101,48 @@ impl Drop for Files {
 }
 
 #[test]
-fn certificates_of_the_catalogue_a_urdf_and_generated_robots_are_accepted() {
-    let files = Files::new("accept");
+fn certificates_of_the_catalogue_are_accepted_and_small() {
+    let files = Files::new("catalogue");
     for (k, entry) in roberval_formats::catalogue().iter().enumerate() {
         let robot = robot(entry.name);
         if robot.assembly.is_some() {
             continue; // loops are not decided exactly
         }
-        let model = Model::ALL[k % 3];
-        let text = text(&robot, model, &decide(&robot, model));
-        assert!(
-            text.len() < LARGEST_CERTIFICATE,
-            "{}: {}",
-            entry.name,
-            text.len()
-        );
-        files.write(&format!("accepted-{}.json", entry.name), &text);
+        let length = files.accepted(entry.name, &robot, Model::ALL[k % 3]);
+        assert!(length < LARGEST_CERTIFICATE, "{}: {length}", entry.name);
     }
-    let urdf = small_urdf();
-    files.write(
-        "accepted-urdf.json",
-        &text(&urdf, Model::D, &decide(&urdf, Model::D)),
-    );
+    files.check("verdicts");
+}
+
+#[test]
+fn certificates_of_urdfs_and_generated_robots_are_accepted() {
+    let files = Files::new("generated");
+    files.accepted("urdf", &small_urdf(), Model::D);
     for (k, angles) in [Angles::Right, Angles::Fifteens, Angles::Oblique]
-        .iter()
+        .into_iter()
         .enumerate()
     {
-        for (l, format) in [SourceFormat::Mdh, SourceFormat::Urdf]
-            .into_iter()
-            .enumerate()
-        {
+        for format in [SourceFormat::Mdh, SourceFormat::Urdf] {
             for seed in 0..4 {
                 let family = Family {
-                    angles: *angles,
+                    angles,
                     format,
                     links: (2, 6),
                     ..Family::default()
                 };
                 let robot = mechanism(&family.robot(seed));
                 let model = Model::ALL[(seed as usize + k) % 3];
-                let text = text(&robot, model, &decide(&robot, model));
-                files.write(&format!("accepted-{k}-{l}-{seed}.json"), &text);
+                files.accepted(&format!("{k}-{format:?}-{seed}"), &robot, model);
             }
         }
     }
-    // Badly conditioned: the checker knows the coefficients to two hundred digits.
+    files.check("verdicts");
+}
+
+/// Badly conditioned: the checker knows the coefficients to two hundred digits.
+#[test]
+fn certificates_of_long_oblique_chains_are_accepted() {
+    let files = Files::new("long");
     for seed in [8, 17, 28] {
         let family = Family {
             angles: Angles::Oblique,
@@ -146,11 +150,14 @@ fn certificates_of_the_catalogue_a_urdf_and_generated_robots_are_accepted() {
             ..Family::default()
         };
         let robot = mechanism(&family.robot(seed));
-        files.write(
-            &format!("accepted-long-{seed}.json"),
-            &text(&robot, Model::D, &decide(&robot, Model::D)),
-        );
+        files.accepted(&format!("long-{seed}"), &robot, Model::D);
     }
+    files.check("verdicts");
+}
+
+#[test]
+fn certificates_of_planar_floating_and_odd_robots_are_accepted() {
+    let files = Files::new("odd");
     for seed in 0..6 {
         let family = Family {
             format: SourceFormat::Urdf,
@@ -162,16 +169,12 @@ fn certificates_of_the_catalogue_a_urdf_and_generated_robots_are_accepted() {
         if seed % 2 == 0 {
             robot = robot.with_floating_base();
         }
-        let (robot, model) = (mechanism(&robot), Model::ALL[seed as usize % 3]);
-        files.write(
-            &format!("accepted-planar-or-floating-{seed}.json"),
-            &text(&robot, model, &decide(&robot, model)),
-        );
+        let model = Model::ALL[seed as usize % 3];
+        files.accepted(&format!("planar-{seed}"), &mechanism(&robot), model);
     }
     for (k, robot) in odd_robots().iter().enumerate() {
         for model in Model::ALL {
-            let text = text(robot, model, &decide(robot, model));
-            files.write(&format!("accepted-odd-{k}-{}.json", model.name()), &text);
+            files.accepted(&format!("odd-{k}-{}", model.name()), robot, model);
         }
     }
     files.check("verdicts");

@@ -248,16 +248,16 @@ pub(crate) struct BaseArgs {
 pub(crate) struct CodeArgs {
     #[command(flatten)]
     pub robot: RobotArgs,
-    /// The language
-    #[arg(long, default_value = Language::C.name(), value_parser = language())]
-    pub lang: Language,
+    /// The language [default: c]
+    #[arg(long, value_parser = language())]
+    pub lang: Option<Language>,
     /// What the code computes: inverse dynamics, the reduced regressor d1, the energy row
     /// h1, the torques of gravity, the mass matrix
     #[arg(long, default_value = What::Tau.name(), value_parser = what())]
     pub what: What,
-    /// The parameters it takes: base parameters, or all standard ones
-    #[arg(long, default_value = "base", value_parser = ["base", "standard"])]
-    pub parameters: String,
+    /// The parameters it takes: base parameters, or all standard ones [default: base]
+    #[arg(long, value_parser = ["base", "standard"])]
+    pub parameters: Option<String>,
     /// Add friction to tau, Fv qd + Fc sign(qd), two parameters a joint
     #[arg(long)]
     pub friction: bool,
@@ -464,7 +464,7 @@ impl MethodArgs {
 impl ChoiceArgs {
     /// The rule of choice; preferences imply `prefer`.
     pub fn choice(&self) -> Result<Choice, CliError> {
-        let preferences = !(self.keep.is_empty() && self.drop.is_empty());
+        let preferences = self.prefers();
         match self.choice.as_deref() {
             Some(rule @ ("paper" | "pivoted")) if preferences => Err(CliError::Usage(format!(
                 "--choice {rule} and --keep or --drop contradict each other: leave --choice out, \
@@ -481,6 +481,15 @@ impl ChoiceArgs {
             }),
             _ => Ok(Choice::Paper),
         }
+    }
+
+    fn prefers(&self) -> bool {
+        !(self.keep.is_empty() && self.drop.is_empty())
+    }
+
+    /// Whether a choice is asked for, be it the one that is made anyway.
+    pub fn is_asked(&self) -> bool {
+        self.choice.is_some() || self.prefers()
     }
 
     /// When a number counts as zero.

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use roberval_base::{Engine, Model, Options, base_parameters, robot_sha256};
+use roberval_base::{Options, base_parameters, robot_sha256};
 use roberval_code::{Code, Request};
 use roberval_tables as tables;
 
@@ -19,17 +19,11 @@ pub(crate) fn run(
     err: &mut dyn Write,
     look: Look,
 ) -> Result<i32, CliError> {
-    if !args.counts && args.output.format != tables::Format::default() {
-        let what = "--format is for the table of --counts: code has its --lang";
-        return Err(CliError::Usage(what.to_owned()));
-    }
+    without_effect(args)?;
     let options = Options {
-        model: Model::D,
-        engine: Engine::Exact,
         choice: args.choice.choice()?,
-        tolerance: args.choice.tolerance(),
         seed: args.choice.seed,
-        rows: None,
+        ..Options::default()
     };
     let mut doubts = Vec::new();
     answer(&args.output, out, look, |format| {
@@ -37,7 +31,7 @@ pub(crate) fn run(
         warn(&mechanism, err);
         let standard: Vec<usize> = (0..mechanism.parameters().len()).collect();
         let answer = base_parameters(&mechanism, &options)?;
-        let reduced = args.parameters == "base" || args.counts;
+        let reduced = !takes_standard(args);
         if reduced && !answer.diagnosis.clear {
             doubts.clone_from(&answer.diagnosis.messages);
         }
@@ -68,7 +62,28 @@ pub(crate) fn run(
                 count.mul, count.add, count.trig, once.mul, once.add
             ),
         );
-        Ok(code.text(args.lang, &robot_sha256(&mechanism)?))
+        Ok(code.text(args.lang.unwrap_or_default(), &robot_sha256(&mechanism)?))
     })?;
     Ok(verdict(&doubts, err))
+}
+
+fn takes_standard(args: &CodeArgs) -> bool {
+    args.parameters.as_deref() == Some("standard")
+}
+
+/// Refuses options that the others leave nothing to do.
+fn without_effect(args: &CodeArgs) -> Result<(), CliError> {
+    let what = if !args.counts && args.output.format != tables::Format::default() {
+        "--format is for the table of --counts: code has its --lang"
+    } else if args.counts && (args.lang.is_some() || args.parameters.is_some()) {
+        "--counts is the same in all languages and has standard and base parameters side by side: \
+         leave out --lang and --parameters"
+    } else if takes_standard(args) && args.choice.is_asked() {
+        "--parameters standard takes all of them: --choice, --keep and --drop are for base parameters"
+    } else if args.choice.paper_tolerance.is_some() {
+        "code is made of what is decided exactly: leave out --paper-tolerance"
+    } else {
+        return Ok(());
+    };
+    Err(CliError::Usage(what.to_owned()))
 }

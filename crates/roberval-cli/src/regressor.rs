@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use roberval_base::{BaseError, BaseParameters, Model, base_parameters};
+use roberval_base::{BaseError, BaseParameters, Engine, Model, base_parameters};
 use roberval_mechanism::Mechanism;
 use roberval_regressor::{Regressor, RegressorError};
 
@@ -23,6 +23,12 @@ pub(crate) fn run(
     err: &mut dyn Write,
 ) -> Result<i32, CliError> {
     let options = args.method.options(&args.choice)?;
+    let decides = options.engine != Engine::default() || options.rows.is_some();
+    if !args.base && (decides || args.choice.is_asked() || args.choice.paper_tolerance.is_some()) {
+        let what = "--engine, --rows, --choice, --keep, --drop and --paper-tolerance find base \
+                    parameters: they go with --base";
+        return Err(CliError::Usage(what.to_owned()));
+    }
     let target = Target::new(Some(&args.output))?;
     let mechanism = load(&args.robot.robot, &args.robot.reading)?;
     for warning in &mechanism.description.warnings {

@@ -144,6 +144,28 @@ const CASES: &[(&[&str], &[&str])] = &[
         &["regressor", "puma560", "no-such.csv", "-o", "/"],
         &["folder"],
     ),
+    (
+        &[
+            "regressor",
+            "puma560",
+            "no-such.csv",
+            "-o",
+            "-",
+            "--keep=MX_2",
+        ],
+        &["--keep", "go with --base"],
+    ),
+    (
+        &[
+            "regressor",
+            "puma560",
+            "no-such.csv",
+            "-o",
+            "-",
+            "--engine=svd",
+        ],
+        &["--engine", "go with --base"],
+    ),
     (&["scale", "pumma560"], &["puma560"]),
     (&["scale", "puma560", "--target", "0"], &["above 0"]),
     (&["scale", "puma560", "--target", "nan"], &["above 0"]),

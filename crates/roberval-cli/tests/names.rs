@@ -244,40 +244,16 @@ fn without_code(line: &str) -> String {
     out + &rest
 }
 
+/// The commands of our LaTeX.
+const COMMANDS: &str = "\
+    usepackage subsection subsubsection raggedright small tabcolsep setlength parindent hangindent \
+    par noindent textbf begin end toprule midrule bottomrule endhead endfoot text \
+    times textbackslash textasciicircum textasciitilde textless textgreater textbar textquotedbl";
+
 #[test]
 fn latex_has_no_command_from_a_name_and_balanced_braces() {
     let folder = Folder::new("latex-names");
     let robot = hostile_robot(&folder);
-    let known = [
-        "usepackage",
-        "subsection",
-        "subsubsection",
-        "raggedright",
-        "small",
-        "tabcolsep",
-        "setlength",
-        "parindent",
-        "hangindent",
-        "par",
-        "noindent",
-        "textbf",
-        "begin",
-        "end",
-        "toprule",
-        "midrule",
-        "bottomrule",
-        "endhead",
-        "endfoot",
-        "text",
-        "times",
-        "textbackslash",
-        "textasciicircum",
-        "textasciitilde",
-        "textless",
-        "textgreater",
-        "textbar",
-        "textquotedbl",
-    ];
     for command in ["show", "base", "compare"] {
         let text = output(&[command, &robot, "--format", "latex"]);
         let (mut depth, mut dollars) = (0_i64, 0);
@@ -290,7 +266,7 @@ fn latex_has_no_command_from_a_name_and_balanced_braces() {
                         .split(|c: char| !c.is_ascii_alphabetic())
                         .next()
                         .unwrap_or("");
-                    let known = known.contains(&word);
+                    let known = COMMANDS.split_whitespace().any(|known| known == word);
                     assert!(word.is_empty() || known, "{command}: \\{word}");
                     let next = rest.chars().next().map_or(0, char::len_utf8);
                     rest = &rest[word.len().max(next)..];
@@ -328,5 +304,30 @@ fn every_format_of_every_command_is_written() {
                 "{args:?} {format}"
             );
         }
+    }
+}
+
+#[test]
+fn code_tells_names_apart_in_its_comments_and_none_ends_them() {
+    let folder = Folder::new("code-names");
+    let robot = hostile_robot(&folder);
+    let standard = ["--parameters", "standard", "--what", "regressor"];
+    for (lang, prefix) in [
+        ("c", " *"),
+        ("rust", "//"),
+        ("python", "#"),
+        ("matlab", "%"),
+    ] {
+        let text = output(&[&["code", &robot, "--lang", lang], &standard[..]].concat());
+        let notes = text.lines().filter_map(|line| line.strip_prefix(prefix));
+        let words = notes.filter_map(|note| note.trim_start().split_once(' '));
+        let labels = words.map(|(_, label)| label.to_owned());
+        let labels = labels.filter(|label| label.starts_with("ZZ_"));
+        let mut labels: Vec<String> = labels.collect();
+        assert_eq!(labels.len(), HOSTILE.len(), "{lang}: {labels:?}");
+        assert!(labels.contains(&"ZZ_\u{8155}\u{95a2}\u{7bc0} [kg m^2]".to_owned()));
+        labels.sort();
+        labels.dedup();
+        assert_eq!(labels.len(), HOSTILE.len(), "{lang}");
     }
 }

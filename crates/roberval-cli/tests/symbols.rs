@@ -58,30 +58,19 @@ fn relations_in_symbols_have_all_forms() {
     );
 }
 
-/// The third axis stands at a difference of two lengths from the second.
-const DIFFERENCE: &str = r#"name = "difference"
-[constants]
-L = 0.5
-M = 0.2
-[[link]]
-name = "1"
-alpha = 0
-d = 0
-theta = 0
-r = 0
-[[link]]
-name = "2"
-alpha = "90 deg"
-d = 0
-theta = 0
-r = 0
-[[link]]
-name = "3"
-alpha = 0
-d = "L - M"
-theta = 0
-r = 0
-"#;
+/// A robot TOML: a chain with these constants, and with these alpha and d.
+fn chain(constants: &str, rows: &[[&str; 2]]) -> String {
+    let link = |(j, [alpha, d]): (usize, &[&str; 2])| {
+        format!("[[link]]\nname = \"{j}\"\nalpha = \"{alpha}\"\nd = \"{d}\"\nr = 0\n")
+    };
+    let links: String = (1..).zip(rows).map(link).collect();
+    format!("name = \"chain\"\n[constants]\n{constants}\n{links}")
+}
+
+/// The third axis stands at this distance from the second.
+fn distant(d: &str) -> String {
+    chain("L = 0.5\nM = 0.2", &[["0", "0"], ["90 deg", "0"], ["0", d]])
+}
 
 /// Powers beyond those that are looked for stay open; the module defines what stands for them.
 #[test]
@@ -89,7 +78,7 @@ fn the_sympy_module_of_an_open_coefficient_defines_f() {
     let folder = Folder::new("open");
     let (file, module) = (folder.path("open.toml"), folder.path("open.py"));
     let high = ["L"; 13].join("*");
-    std::fs::write(&file, DIFFERENCE.replace("L - M", &high)).expect("written");
+    std::fs::write(&file, distant(&high)).expect("written");
     let run = roberval(&["base", &file, "--symbolic", "--sympy", &module]);
     assert_eq!(run.code, 0, "{}", run.err);
     let text = std::fs::read_to_string(&module).expect("written");
@@ -103,7 +92,7 @@ fn the_sympy_module_of_an_open_coefficient_defines_f() {
 fn minus_a_square_has_one_sign() {
     let folder = Folder::new("square");
     let file = folder.path("square.toml");
-    std::fs::write(&file, DIFFERENCE).expect("written");
+    std::fs::write(&file, distant("L - M")).expect("written");
     for format in ["table", "latex"] {
         let run = roberval(&["base", &file, "--symbolic", "--format", format]);
         assert_eq!(run.code, 0, "{}", run.err);
@@ -220,30 +209,16 @@ fn model_and_choice_are_honoured_by_symbols_and_by_rules() {
     }
 }
 
-/// A joint that follows by an expression; an angle and a length with the names of others.
-const NAMES: &str = r#"name = "names"
-[constants]
-M_2 = 0.5
-f = "30 deg"
-[[link]]
-name = "1"
-alpha = 0
-d = 0
-theta = 0
-r = 0
-[[link]]
-name = "2"
-alpha = "f"
-d = "M_2"
-theta = 0
-r = 0
-"#;
+/// An angle and a length with the names of others.
+fn names() -> String {
+    chain("M_2 = 0.5\nf = \"30 deg\"", &[["0", "0"], ["f", "M_2"]])
+}
 
 #[test]
 fn constants_with_names_of_parameters_or_functions_are_told_apart() {
     let folder = Folder::new("names");
     let file = folder.path("names.toml");
-    std::fs::write(&file, NAMES).expect("written");
+    std::fs::write(&file, names()).expect("written");
     let run = roberval(&["base", &file, "--symbolic"]);
     assert_eq!(run.code, 0, "{}", run.err);
     assert!(
@@ -260,7 +235,7 @@ fn joints_by_expressions_are_refused_with_the_reason_and_what_to_do() {
     let folder = Folder::new("expression");
     let file = folder.path("expression.toml");
     let couple = "[[couple]]\njoint = \"2\"\nexpression = \"2*sin(q.1)\"\n";
-    std::fs::write(&file, NAMES.to_owned() + couple).expect("written");
+    std::fs::write(&file, names() + couple).expect("written");
     for flag in ["--symbolic", "--rules"] {
         let run = roberval(&["base", &file, flag]);
         assert_eq!(run.code, 2, "{}", run.err);
@@ -290,8 +265,7 @@ fn the_page_of_a_robot_with_named_constants_has_the_relations_in_them() {
 fn special_values_are_told_in_a_sentence() {
     let folder = Folder::new("special");
     let file = folder.path("scara.toml");
-    let text = "name = \"s\"\n[constants]\nD2 = 0\n[[link]]\nname = \"1\"\nalpha = 0\nd = 0\nr = 0\n\
-                [[link]]\nname = \"2\"\nalpha = 0\nd = \"D2\"\nr = 0\n";
+    let text = chain("D2 = 0", &[["0", "0"], ["0", "D2"]]);
     std::fs::write(&file, text).expect("written");
     let run = roberval(&["base", &file, "--symbolic"]);
     assert_eq!(run.code, 0, "{}", run.err);
@@ -326,6 +300,31 @@ fn bad_requests_are_told() {
         ),
         (&["base", "puma560", "--symbolic", "--rules"], "one of them"),
         (&["code", "puma560", "--format", "json"], "--counts"),
+        (
+            &["code", "puma560", "--counts", "--lang", "rust"],
+            "leave out --lang",
+        ),
+        (
+            &["code", "puma560", "--counts", "--parameters", "base"],
+            "leave out --lang and --parameters",
+        ),
+        (
+            &["code", "puma560", "--parameters=standard", "--keep=MX_2"],
+            "--keep and --drop are for base parameters",
+        ),
+        (
+            &[
+                "code",
+                "puma560",
+                "--parameters=standard",
+                "--choice=pivoted",
+            ],
+            "--parameters standard takes all",
+        ),
+        (
+            &["code", "puma560", "--paper-tolerance"],
+            "leave out --paper-tolerance",
+        ),
     ] {
         let run = roberval(args);
         assert_eq!(run.code, 2, "{args:?}");

@@ -6,7 +6,7 @@ mod languages;
 use std::fmt;
 use std::str::FromStr;
 
-use crate::names::plain;
+use crate::names::comment;
 use crate::{Code, Input, Program};
 use expression::Statement;
 use languages::Frame;
@@ -144,7 +144,7 @@ impl Code {
         let (count, once) = (self.count(), self.count_once());
         let hash: String = hash.chars().filter(char::is_ascii_alphanumeric).collect();
         let mut notes = vec![
-            format!("{} of the robot {}", self.title(), plain(&self.robot)),
+            format!("{} of the robot {}", self.title(), comment(&self.robot)),
             format!("made by roberval {}", env!("CARGO_PKG_VERSION")),
             format!("robot sha256 {hash}"),
             format!(
@@ -167,7 +167,7 @@ impl Code {
         notes.extend(self.state_notes());
         notes.push(self.parameters_title().to_owned());
         for (at, label) in self.parameters.iter().enumerate() {
-            notes.push(format!("  {} {} [{}]", at + 1, plain(label), unit(label)));
+            notes.push(format!("  {} {} [{}]", at + 1, comment(label), unit(label)));
         }
         notes
     }
@@ -176,7 +176,7 @@ impl Code {
     fn state_notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         if let Some(base) = &self.floating {
-            let base = plain(base);
+            let base = comment(base);
             notes.extend([
                 format!("link {base} floats. Before the joints stand"),
                 "  in q: place of its origin [m], attitude as a quaternion x y z w,".to_owned(),
@@ -194,7 +194,7 @@ impl Code {
                 roberval_mechanism::JointKind::Prismatic => "m",
                 _ => "rad",
             };
-            notes.push(format!("  {} link {} [{unit}]", at + 1, plain(name)));
+            notes.push(format!("  {} link {} [{unit}]", at + 1, comment(name)));
         }
         if self.takes_transmission() {
             let n = self.velocities();

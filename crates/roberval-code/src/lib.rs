@@ -24,7 +24,7 @@ mod what;
 pub use code::{Code, CodeError, Request};
 pub use emit::{Language, UnknownLanguage};
 pub use graph::{Graph, Op, Signed};
-pub use names::{identifier, plain};
+pub use names::{comment, identifier};
 pub use program::{Count, Input, Program};
 pub use recorded::Recorded;
 pub use what::{UnknownWhat, What};

@@ -1,6 +1,6 @@
 //! Names from robot files in generated code.
 
-/// Longest piece of a name that code or a comment repeats.
+/// Longest identifier made of a name.
 const LONGEST: usize = 40;
 
 /// An identifier in all languages made of a robot's name: lower case letters, digits and
@@ -26,17 +26,17 @@ pub fn identifier(name: &str) -> String {
     }
 }
 
-/// A name as a comment may show it in any language: letters, digits, blanks and `_ . -`
-/// of ASCII as they are, anything else as `_`, not too long.
+/// A name as a comment may show it in any language: letters and digits of all scripts, blanks
+/// and `_ . - / :` as they are, any other character by its number, as `<2A>`. Two names differ
+/// as comments, too, and none ends its comment or turns the direction of the text.
 #[must_use]
-pub fn plain(name: &str) -> String {
-    let allowed = |c: char| c.is_ascii_alphanumeric() || " _.-".contains(c);
-    let clean = |c: char| if allowed(c) { c } else { '_' };
-    let cut: String = name.chars().take(LONGEST).map(clean).collect();
-    match name.chars().nth(LONGEST) {
-        Some(_) => cut + "..",
-        None => cut,
-    }
+pub fn comment(name: &str) -> String {
+    name.chars().fold(String::new(), |text, c| {
+        match c.is_alphanumeric() || " _.-/:".contains(c) {
+            true => text + c.encode_utf8(&mut [0; 4]),
+            false => text + &format!("<{:X}>", u32::from(c)),
+        }
+    })
 }
 
 #[cfg(test)]
@@ -59,8 +59,31 @@ mod tests {
     }
 
     #[test]
-    fn comments_show_no_character_that_could_end_them() {
-        assert_eq!(plain("a*/b\n\"\"\"%{??/\\"), "a__b__________");
-        assert_eq!(plain(&"x".repeat(99)).len(), LONGEST + 2);
+    fn comments_show_letters_and_no_character_that_could_end_them() {
+        assert_eq!(
+            comment("a*/b\n\"%{\\\u{202e}\u{2028}"),
+            "a<2A>/b<A><22><25><7B><5C><202E><2028>"
+        );
+        for name in [
+            "\u{8155}\u{95a2}\u{7bc0}",
+            "\u{e9}paule 2",
+            "robot1/base_link",
+        ] {
+            assert_eq!(comment(name), name);
+        }
+    }
+
+    #[test]
+    fn different_names_are_different_comments() {
+        let long = "x".repeat(99);
+        let names = [
+            "\u{8155}", "\u{80a9}", "_", "*", "<2A>", "<", "e\u{301}", "\u{e9}",
+        ];
+        let mut comments: Vec<String> = names.map(comment).to_vec();
+        comments.extend(["y", "z"].map(|end| comment(&(long.clone() + end))));
+        let count = comments.len();
+        comments.sort();
+        comments.dedup();
+        assert_eq!(comments.len(), count);
     }
 }

@@ -157,14 +157,7 @@ impl<'g> Recorder<'g> {
         qdd: impl Fn(usize) -> Recorded<'g>,
     ) -> Motion<'g> {
         let (zero, one) = (self.zero(), self.tree.constants.one);
-        let still = JointMotion {
-            cos: one,
-            sin: zero,
-            versine: zero,
-            q: zero,
-            qd: zero,
-            qdd: zero,
-        };
+        let still = JointMotion::still(zero, one);
         let of_body = |(j, body): (usize, &Body<Recorded<'g>>)| {
             self.graph.set_link(j);
             let Some(i) = body.variable.filter(|_| body.joint.has_axis()) else {

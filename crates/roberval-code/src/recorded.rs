@@ -39,38 +39,31 @@ impl<'g> Recorded<'g> {
         self.graph.value(self.at)
     }
 
+    /// Another value of the same graph.
+    fn with(self, at: Signed) -> Self {
+        Self { at, ..self }
+    }
+
     /// Its cosine.
     pub fn cos(self) -> Self {
-        Self {
-            at: self.graph.cos(self.at),
-            ..self
-        }
+        self.with(self.graph.cos(self.at))
     }
 
     /// Its sine.
     pub fn sin(self) -> Self {
-        Self {
-            at: self.graph.sin(self.at),
-            ..self
-        }
+        self.with(self.graph.sin(self.at))
     }
 
     /// -1, 0 or 1, as its sign is.
     pub fn sign(self) -> Self {
-        Self {
-            at: self.graph.sign(self.at),
-            ..self
-        }
+        self.with(self.graph.sign(self.at))
     }
 }
 
 impl Add for Recorded<'_> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self {
-            at: self.graph.add(self.at, other.at),
-            ..self
-        }
+        self.with(self.graph.add(self.at, other.at))
     }
 }
 
@@ -84,30 +77,21 @@ impl Sub for Recorded<'_> {
 impl Mul for Recorded<'_> {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        Self {
-            at: self.graph.mul(self.at, other.at),
-            ..self
-        }
+        self.with(self.graph.mul(self.at, other.at))
     }
 }
 
 impl Div for Recorded<'_> {
     type Output = Self;
     fn div(self, other: Self) -> Self {
-        Self {
-            at: self.graph.div(self.at, other.at),
-            ..self
-        }
+        self.with(self.graph.div(self.at, other.at))
     }
 }
 
 impl Neg for Recorded<'_> {
     type Output = Self;
     fn neg(self) -> Self {
-        Self {
-            at: self.at.times(true),
-            ..self
-        }
+        self.with(self.at.times(true))
     }
 }
 
@@ -123,16 +107,10 @@ impl Analytic for Recorded<'_> {
     }
 
     fn sqrt(self) -> Self {
-        Self {
-            at: self.graph.sqrt(self.at),
-            ..self
-        }
+        self.with(self.graph.sqrt(self.at))
     }
 
     fn atan2(self, x: Self) -> Self {
-        Self {
-            at: self.graph.atan2(self.at, x.at),
-            ..self
-        }
+        self.with(self.graph.atan2(self.at, x.at))
     }
 }

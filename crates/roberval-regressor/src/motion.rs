@@ -22,6 +22,21 @@ pub struct JointMotion<T> {
     pub qdd: T,
 }
 
+impl<T: Copy> JointMotion<T> {
+    /// The motion of a fixed joint: zeros, and one the cosine.
+    #[must_use]
+    pub fn still(zero: T, one: T) -> Self {
+        Self {
+            cos: one,
+            sin: zero,
+            versine: zero,
+            q: zero,
+            qd: zero,
+            qdd: zero,
+        }
+    }
+}
+
 impl JointMotion<f64> {
     /// The motion of a revolute joint about a unit axis.
     #[must_use]
@@ -41,12 +56,10 @@ impl JointMotion<f64> {
     #[must_use]
     pub fn prismatic(q: f64, qd: f64, qdd: f64) -> Self {
         Self {
-            cos: 1.0,
-            sin: 0.0,
-            versine: 0.0,
             q,
             qd,
             qdd,
+            ..Self::still(0.0, 1.0)
         }
     }
 

@@ -75,14 +75,7 @@ impl Sink<Counted> for Nowhere {
 }
 
 fn operations(tree: &Tree<f64>) -> usize {
-    let still = JointMotion {
-        cos: Counted,
-        sin: Counted,
-        versine: Counted,
-        q: Counted,
-        qd: Counted,
-        qdd: Counted,
-    };
+    let still = JointMotion::still(Counted, Counted);
     let mut workspace = DynamicsWorkspace::new(tree);
     COUNT.set(0);
     dynamics(

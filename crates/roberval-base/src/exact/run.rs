@@ -105,25 +105,7 @@ fn eliminate_to<'m>(
         reference: None,
     };
     let mut echelon = Echelon::new(modulus, order.len());
-    let mut seen = vec![false; order.len()];
-    let mut permuted = vec![zero; order.len()];
-    let (mut samples, mut silent) = (0, 0);
-    while silent < SILENT_SAMPLES {
-        let before = echelon.rank();
-        for row in rows.next(random).chunks_exact(order.len()) {
-            for (j, &column) in order.iter().enumerate() {
-                permuted[j] = row[column];
-                seen[column] |= !row[column].is_zero();
-            }
-            echelon.insert(&permuted);
-        }
-        samples += 1;
-        silent = if echelon.rank() == before {
-            silent + 1
-        } else {
-            0
-        };
-    }
+    let (samples, seen) = fill(&mut echelon, &mut rows, order, random);
     let kept = echelon.kept();
     let leads = |j: &usize| kept.binary_search(j).is_ok();
     let deleted = (0..order.len()).filter(|j| !leads(j) && seen[order[*j]]);
@@ -151,6 +133,36 @@ fn eliminate_to<'m>(
         sqrt3: exact.sqrt3().residue(),
         roots: exact.has_roots(),
     }
+}
+
+/// Takes rows in until they have long brought nothing new: how many samples that took, and
+/// which columns had an entry.
+fn fill<'m>(
+    echelon: &mut Echelon<'m>,
+    rows: &mut Rows<'_, 'm>,
+    order: &[usize],
+    random: &mut SplitMix64,
+) -> (usize, Vec<bool>) {
+    let mut seen = vec![false; order.len()];
+    let mut permuted = vec![rows.exact.modulus().integer(0); order.len()];
+    let (mut samples, mut silent) = (0, 0);
+    while silent < SILENT_SAMPLES {
+        let before = echelon.rank();
+        for row in rows.next(random).chunks_exact(order.len()) {
+            for (j, &column) in order.iter().enumerate() {
+                permuted[j] = row[column];
+                seen[column] |= !row[column].is_zero();
+            }
+            echelon.insert(&permuted);
+        }
+        samples += 1;
+        silent = if echelon.rank() == before {
+            silent + 1
+        } else {
+            0
+        };
+    }
+    (samples, seen)
 }
 
 fn with_effect(row: &[Fp<'_>], effect: &[bool]) -> Vec<u64> {

@@ -268,6 +268,11 @@ fn floating(robots: &[RobotDescription]) -> Vec<RobotDescription> {
     names.map(of).into()
 }
 
+/// Names of other scripts, and such as would end a comment.
+const SCRIPTS: &str = "name = '\u{8155} */ \"\"\" %{ \\'\ngravity = [0, 0, -9.81]\n\
+     [[link]]\nname = '\u{80a9} \\'\nalpha = 0\nd = 0\nr = 0\n\
+     [[link]]\nname = '\u{e9}paule ??/ */ \u{202e}'\nalpha = '90 deg'\nd = 0.5\nr = 0.1\n";
+
 /// Robots and links whose names are those of the language or of generated code.
 fn named() -> Vec<RobotDescription> {
     let names = [
@@ -322,6 +327,7 @@ fn all_cases() -> Vec<Case> {
     robots.extend(EXPRESSIONS.map(|text| parse_toml(text, "couples.toml").expect("a robot")));
     robots.extend(floating(&robots));
     robots.extend(named());
+    robots.push(parse_toml(SCRIPTS, "scripts.toml").expect("a robot"));
     let of_robot = |(index, robot): (usize, &roberval_mechanism::RobotDescription)| {
         let mechanism = Mechanism::new(robot).expect("a valid robot");
         let answer = base_parameters(&mechanism, &Options::default()).expect("an answer");

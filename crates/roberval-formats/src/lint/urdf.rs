@@ -93,15 +93,17 @@ fn each<'e, 'd, T>(
 ) -> Vec<(Element<'e, 'd>, T)> {
     let mut all = Vec::new();
     let mut first: HashMap<&str, u32> = HashMap::new();
-    for (node, place) in robot.children(tag).zip(places) {
+    for ((number, node), place) in (1..).zip(robot.children(tag)).zip(places) {
         if findings.len() >= MOST {
             break;
         }
+        let unnamed = format!("{tag} {number}");
         let element = Element::new(robot.source, node, place);
         for error in malformed(&element) {
             push(findings, Finding::refused(error));
         }
-        let name = match element.required("name") {
+        // As the reader says it, which meets the first of these as well.
+        let name = match Element::new(robot.source, node, &unnamed).required("name") {
             Ok(name) => name,
             Err(error) => {
                 push(findings, Finding::refused(error));

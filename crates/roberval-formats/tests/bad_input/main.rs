@@ -6,7 +6,7 @@ mod hostile;
 mod toml_rows;
 mod urdf_rows;
 
-use roberval_formats::{FormatError, UrdfOptions, parse_toml, parse_urdf};
+use roberval_formats::{FormatError, Severity, UrdfOptions, lint, parse_toml, parse_urdf};
 
 /// A bad text: its name, the text, the code, and words of the message (among them the
 /// line or the link or joint).
@@ -80,13 +80,16 @@ fn bad_xml_is_refused_with_its_place() {
     }
 }
 
+/// Two links, and these elements.
+fn urdf(elements: &str) -> String {
+    let links = "<link name=\"a\"/>\n<link name=\"b\"/>";
+    format!("<robot name=\"r\">\n{links}\n{elements}\n</robot>")
+}
+
 #[test]
 fn bad_urdf_elements_are_refused_with_their_place() {
     for row in urdf_rows::ROBOTS {
-        let text = format!(
-            "<robot name=\"r\">\n<link name=\"a\"/>\n<link name=\"b\"/>\n{}\n</robot>",
-            row.1
-        );
+        let text = urdf(row.1);
         for keep_fixed in [false, true] {
             check(
                 row,
@@ -101,6 +104,29 @@ fn bad_urdf_elements_are_refused_with_their_place() {
             );
         }
     }
+}
+
+#[test]
+fn lint_tells_no_fault_of_bad_files_twice() {
+    let path = std::env::temp_dir().join(format!("roberval-twice-{}.urdf", std::process::id()));
+    let files = urdf_rows::FILES.iter().map(|row| row.1.to_owned());
+    let robots = urdf_rows::ROBOTS.iter().map(|row| urdf(row.1));
+    for text in files.chain(robots) {
+        std::fs::write(&path, &text).expect("a file");
+        // A file that is no XML has one error and no findings.
+        let mut found = lint(&path.to_string_lossy()).unwrap_or_default();
+        found.retain(|f| f.severity == Severity::Error);
+        let what = |f: &roberval_formats::Finding| {
+            let what = f.what.split_once(": ").map_or(&*f.what, |(_, what)| what);
+            (f.position.map(|p| (p.line, p.column)), what.to_owned())
+        };
+        let mut faults: Vec<_> = found.iter().map(what).collect();
+        faults.sort();
+        let count = faults.len();
+        faults.dedup();
+        assert_eq!(faults.len(), count, "{text}\n{found:#?}");
+    }
+    std::fs::remove_file(&path).expect("still there");
 }
 
 #[test]

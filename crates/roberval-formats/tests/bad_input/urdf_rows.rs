@@ -160,6 +160,18 @@ pub const FILES: &[Row] = &[
 /// line 4.
 pub const ROBOTS: &[Row] = &[
     (
+        "name: xacro link",
+        "<link name='${p}c'/>",
+        "E115",
+        &["link 3", "name = \"${p}c\" is xacro", "expand it first"],
+    ),
+    (
+        "name: xacro joint",
+        "<joint name='$(arg p)j' type='fixed'><parent link='a'/><child link='b'/></joint>",
+        "E115",
+        &["joint 1", "\"$(arg p)j\" is xacro"],
+    ),
+    (
         "link without name",
         "<link/>",
         "E132",

@@ -335,9 +335,7 @@ impl<'m> ExactLoops<'m> {
             cos,
             sin,
             versine: one - cos,
-            q: zero,
-            qd: zero,
-            qdd: zero,
+            ..JointMotion::still(zero, one)
         }
     }
 

@@ -214,16 +214,14 @@ impl<'m> ExactModel<'m> {
         if self.tree.is_floating() {
             work.move_base(&self.tree, &self.base(rest, random));
         }
+        let constants = self.tree.constants;
+        let still = JointMotion::still(constants.zero, constants.one);
         if let Some(Ok(loops)) = &self.loops {
             let joints = variable_bodies(&self.tree);
             let joints = &joints[loops.first_joint()..];
-            let constants = self.tree.constants;
             let free = |k: usize, random: &mut SplitMix64| position(joints[k], constants, random);
             let (motions, transmission) = loops.motions(rest, random, free);
-            let motion = |body: &Body<Fp<'m>>| match body.variable {
-                None => still(constants),
-                Some(k) => motions[k],
-            };
+            let motion = |body: &Body<Fp<'m>>| body.variable.map_or(still, |k| motions[k]);
             let transmission = Some(&transmission);
             work.fill(&self.tree, &self.space, model, motion, transmission, rows);
             return;
@@ -233,12 +231,10 @@ impl<'m> ExactModel<'m> {
             work.fill(&self.tree, &self.space, model, motion, None, rows);
             return;
         };
-        let constants = self.tree.constants;
         let joints = variable_bodies(&self.tree);
         let motions = closure.motions(constants, rest, random, |variable, qd, qdd, random| {
             self.motion(joints[variable], qd, qdd, random)
         });
-        let still = still(constants);
         let motion = |body: &Body<Fp<'m>>| body.variable.map_or(still, |v| motions[v]);
         let transmission = Some(&closure.transmission);
         work.fill(&self.tree, &self.space, model, motion, transmission, rows);
@@ -314,12 +310,11 @@ impl<'m> ExactModel<'m> {
 /// its axis vector a: `t = tan(q/2)/|a|`.
 pub(super) fn position<'m>(
     body: &Body<Fp<'m>>,
-    constants: Constants<Fp<'m>>,
+    Constants { zero, one, .. }: Constants<Fp<'m>>,
     random: &mut SplitMix64,
 ) -> JointMotion<Fp<'m>> {
-    let one = constants.one;
     let mut draw = || one.modulus().random(random);
-    let mut position = still(constants);
+    let mut position = JointMotion::still(zero, one);
     match body.joint {
         JointKind::Revolute => loop {
             let t = draw();
@@ -344,18 +339,6 @@ pub(super) fn variable_bodies<T>(tree: &Tree<T>) -> Vec<&Body<T>> {
     bodies
         .flat_map(|body| std::iter::repeat_n(body, body.joint.dof()))
         .collect()
-}
-
-/// The motion of a fixed joint.
-fn still<T: Copy>(Constants { zero, one, .. }: Constants<T>) -> JointMotion<T> {
-    JointMotion {
-        cos: one,
-        sin: zero,
-        versine: zero,
-        q: zero,
-        qd: zero,
-        qdd: zero,
-    }
 }
 
 /// Working memory of [`ExactModel::fill`].

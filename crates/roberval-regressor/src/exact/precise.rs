@@ -130,15 +130,7 @@ fn normalise<T: Real>(body: &mut Body<T>) {
 }
 
 fn still<T: Real>() -> JointMotion<T> {
-    let (zero, one) = (T::from(0.0), T::from(1.0));
-    JointMotion {
-        cos: one,
-        sin: zero,
-        versine: zero,
-        q: zero,
-        qd: zero,
-        qdd: zero,
-    }
+    JointMotion::still(T::from(0.0), T::from(1.0))
 }
 
 /// A motion in units of the axis vector a, as it is written: `t = tan(q/2)/|a|`.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use roberval_base::BaseParameters;
+use roberval_base::{BaseParameters, Relation};
 
 use super::html::{figure, short, text};
 use crate::number::shortest;
@@ -97,32 +97,42 @@ fn map(answer: &BaseParameters) -> String {
             text(&short(label, LONGEST))
         );
     }
-    for (i, sum) in sums.iter().enumerate() {
-        let _ = write!(
-            svg,
-            "<text class=\"tiny\" text-anchor=\"end\" x=\"{}\" y=\"{}\">{}</text>\
-             <g transform=\"translate({} {})\" data-of=\"{}\">",
-            left - 6,
-            top + i * CELL + 11,
-            text(&short(sum, LONGEST)),
-            left + 1,
-            top + i * CELL + 1,
-            text(sum)
-        );
-        let place = |c: &usize| answer.regrouped.partition_point(|r| r < c);
-        for (column, coefficient) in &relations[i].terms {
-            let j = place(column);
-            let _ = write!(
-                svg,
-                "<rect class=\"m {}\" x=\"{}\" data-v=\"{}\"/>",
-                level(*coefficient),
-                j * CELL,
-                shortest(*coefficient),
-            );
-        }
-        svg.push_str("</g>");
+    for (i, (relation, sum)) in relations.iter().zip(&sums).enumerate() {
+        row(answer, relation, sum, [left, top + i * CELL], &mut svg);
     }
     svg + "</svg>"
+}
+
+/// A sum's name and its coefficients, from this corner.
+fn row(
+    answer: &BaseParameters,
+    relation: &Relation,
+    sum: &str,
+    [left, top]: [usize; 2],
+    svg: &mut String,
+) {
+    let _ = write!(
+        svg,
+        "<text class=\"tiny\" text-anchor=\"end\" x=\"{}\" y=\"{}\">{}</text>\
+         <g transform=\"translate({} {})\" data-of=\"{}\">",
+        left - 6,
+        top + 11,
+        text(&short(sum, LONGEST)),
+        left + 1,
+        top + 1,
+        text(sum)
+    );
+    for (column, coefficient) in &relation.terms {
+        let j = answer.regrouped.partition_point(|r| r < column);
+        let _ = write!(
+            svg,
+            "<rect class=\"m {}\" x=\"{}\" data-v=\"{}\"/>",
+            level(*coefficient),
+            j * CELL,
+            shortest(*coefficient),
+        );
+    }
+    svg.push_str("</g>");
 }
 
 /// Lines between the links' blocks.

@@ -159,11 +159,6 @@ fn joint(
     let link = &mechanism.links[j];
     let (dx, dy, depth) = camera.direction(&(frame.rotation * link.axis));
     let (length, turn) = (dx.hypot(dy), dy.atan2(dx).to_degrees());
-    let half = sizes.half * length;
-    // The end that faces the viewer.
-    let end = if depth < 0.0 { -half } else { half };
-    let minor = sizes.radius * depth.abs();
-    let r = sizes.radius;
     let [x, y] = place;
     let [ox, oy] = camera.point(&frame.origin);
     if (x - ox).hypot(y - oy) > 1.0 {
@@ -179,15 +174,24 @@ fn joint(
         text(&link.name),
         tree::joint(mechanism, j)
     );
-    let _ = match link.joint {
-        JointKind::Revolute => write!(
-            svg,
+    svg.push_str(&sign(link.joint, sizes, length, depth));
+    svg.push_str("</g></g>");
+}
+
+/// A joint's sign along the horizontal: its axis has this length in the picture, and this depth.
+fn sign(kind: JointKind, sizes: &Sizes, length: f64, depth: f64) -> String {
+    let half = sizes.half * length;
+    // The end that faces the viewer.
+    let end = if depth < 0.0 { -half } else { half };
+    let minor = sizes.radius * depth.abs();
+    let r = sizes.radius;
+    match kind {
+        JointKind::Revolute => format!(
             "<path class=\"fill edge\" d=\"M{0:.1},{1:.1}H{2:.1}A{minor:.1},{r:.1} 0 0 1 {2:.1},{r:.1}H{0:.1}A{minor:.1},{r:.1} 0 0 1 {0:.1},{1:.1}Z\"/>\
              <ellipse class=\"cap edge\" cx=\"{end:.1}\" rx=\"{minor:.1}\" ry=\"{r:.1}\"/>",
             -half, -r, half
         ),
-        JointKind::Prismatic => write!(
-            svg,
+        JointKind::Prismatic => format!(
             "<rect class=\"fill edge\" x=\"{0:.1}\" y=\"{1:.1}\" width=\"{2:.1}\" height=\"{3:.1}\" rx=\"2\"/>\
              <path class=\"ax cap\" stroke=\"currentColor\" d=\"M{4:.1},0H{5:.1}\"/>",
             -half.max(r),
@@ -197,18 +201,15 @@ fn joint(
             -1.7 * half,
             1.7 * half
         ),
-        JointKind::Fixed => write!(
-            svg,
+        JointKind::Fixed => format!(
             "<path class=\"fill edge\" d=\"M{0:.1},0L0,{0:.1}L{1:.1},0L0,{1:.1}Z\"/>",
             -r, r
         ),
-        JointKind::Floating => write!(
-            svg,
+        JointKind::Floating => format!(
             "<circle class=\"fill edge\" r=\"{r:.1}\"/><circle class=\"cap edge\" r=\"{:.1}\"/>",
             0.5 * r
         ),
-    };
-    svg.push_str("</g></g>");
+    }
 }
 
 fn triad(frame: &Frame, camera: &Camera, sizes: &Sizes, svg: &mut String) {
