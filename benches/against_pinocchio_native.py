@@ -272,11 +272,17 @@ def factors(name: str, rv: Any, robot: Any, base: Any, cpp: Peers) -> None:
 
 
 def scalar_path(robots: dict[str, Any]) -> None:
-    """Print ns a sample of the scalar path, state after state: run with ROBERVAL_LANES=1."""
+    """Print ns a sample of the scalar path, state after state: run with ROBERVAL_LANES=1.
+
+    The rows stay in the cache, as those of the C++ loop, which writes the same ones anew.
+    """
     for robot in robots.values():
-        states = np.random.default_rng(1).uniform(-1, 1, (3, 64, robot.n))
-        out = np.zeros((64, robot.n, len(robot.parameters)))
-        print(best(lambda s=states, o=out, r=robot: r.regressor(*s, out=o, threads=1)) / 64 * 1e9)
+        size = robot.n * len(robot.parameters)
+        states = samples(robot.n, min(64, CACHED // (8 * size)))
+        count = states.shape[1]
+        out = np.zeros((count, robot.n, len(robot.parameters)))
+        task = partial(robot.regressor, *states, out=out, threads=1)
+        print(best(task) / count * 1e9)
 
 
 def main() -> int:
