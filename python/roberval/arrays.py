@@ -117,8 +117,8 @@ _MOST_THREADS = 256
 
 def thread_count(threads: int | None) -> int | None:
     """Return a number of threads; None means all cores."""
-    if threads is None:
-        return None
+    if threads is None or (type(threads) is int and 0 < threads <= _MOST_THREADS):
+        return threads
     try:
         count = operator.index(threads)
     except TypeError:

@@ -431,7 +431,7 @@ impl Quadrants for F64x4 {
 
 /// From so many numbers on memset fills by a microcoded instruction, which takes twice as
 /// long in the second cache.
-const MEMSET_IS_SLOW: usize = 256;
+const MEMSET_IS_SLOW: usize = 80;
 
 /// The numbers before the first multiple of `alignment` bytes, and the others.
 fn aligned(to: &mut [f64], alignment: usize) -> (&mut [f64], &mut [f64]) {
