@@ -98,9 +98,10 @@ impl<T: Scalar> Link<T> {
         let zero = [T::lift(tree.constants.zero); 3];
         let mut path = antecedent.map_or_else(Vec::new, |a| a.path.clone());
         let mut screws = vec![Screw { e: zero, v: zero }; path.len()];
-        let far = path.len() - usize::from(placing.near != Near::Any);
+        let mut far = path.len() - usize::from(placing.near != Near::Any);
         if body.joint == JointKind::Floating {
             unit_screws(zero, T::lift(tree.constants.one), &mut path, &mut screws);
+            far = path.len();
         } else if let Some(row) = body.variable {
             let slides = body.joint == JointKind::Prismatic;
             let axis = ordered(&lift3(&body.axis), placing.order);
@@ -115,11 +116,7 @@ impl<T: Scalar> Link<T> {
                 a: zero,
                 u: [zero; 3],
             },
-            far: if body.joint == JointKind::Floating {
-                6
-            } else {
-                far
-            },
+            far,
             row: body.variable.filter(|_| body.joint.has_axis()),
             placing,
             path,

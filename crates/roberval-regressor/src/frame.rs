@@ -621,6 +621,11 @@ mod tests {
             };
             let robot = Mechanism::new(&family.robot(seed)).expect("valid");
             let tree = Tree::of(&robot);
+            // Some bodies by the general recursion among others at right angles, and all.
+            let mut mixed = tree.clone();
+            for body in mixed.bodies.iter_mut().skip(seed as usize % 3).step_by(2) {
+                body.layout = Layout::General;
+            }
             let mut general = tree.clone();
             for body in &mut general.bodies {
                 let Layout::Aligned(aligned) = body.layout else {
@@ -630,11 +635,13 @@ mod tests {
                 body.layout = Layout::General;
             }
             let at = 0.1 * seed as f64;
-            let (found, expected) = (rows(&tree, &robot, at), rows(&general, &robot, at));
+            let expected = rows(&general, &robot, at);
             let largest = expected.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-            for (found, expected) in found.iter().zip(&expected) {
-                let error = (found - expected).abs() / largest;
-                assert!(error <= ROUNDING, "robot {seed}: {found} for {expected}");
+            for tree in [&tree, &mixed] {
+                for (found, expected) in rows(tree, &robot, at).iter().zip(&expected) {
+                    let error = (found - expected).abs() / largest;
+                    assert!(error <= ROUNDING, "robot {seed}: {found} for {expected}");
+                }
             }
         }
         assert_eq!(seen.len(), 72, "3 axes onto 3, flipped or not, 4 turns");
