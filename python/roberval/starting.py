@@ -1,20 +1,24 @@
-"""Ctrl-C while the command is still being imported: the end of any command, not a traceback."""
+"""Ctrl-C while the command is still being imported: the end of any command, not a traceback.
+
+Nothing is imported here that takes time: until this module has run, Python answers Ctrl-C.
+"""
 
 from __future__ import annotations
 
 import signal
 import sys
-import threading
 from itertools import pairwise
-from pathlib import PurePath
+
+SCRIPTS = ("roberval", "roberval.exe")
+"""What the command is called."""
 
 
 def is_command() -> bool:
     """Tell whether this process is the command `roberval`, or `python -m roberval`."""
-    if sys.argv[:1] == ["-m"]:
-        options = sys.orig_argv
-        return ("-m", "roberval") in pairwise(options)
-    return PurePath(sys.argv[0]).stem == "roberval" if sys.argv else False
+    program = sys.argv[0] if sys.argv else ""
+    if program == "-m":
+        return ("-m", "roberval") in pairwise(sys.orig_argv)
+    return program.replace("\\", "/").rpartition("/")[2] in SCRIPTS
 
 
 def give_to_system() -> None:
@@ -29,5 +33,5 @@ def take_from_system() -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-if threading.current_thread() is threading.main_thread() and is_command():
+if is_command():
     give_to_system()

@@ -39,12 +39,12 @@ pub(crate) struct StatesError {
 /// q, qd and qdd.
 pub(crate) const ARRAYS: [&str; 3] = ["q", "qd", "qdd"];
 
-/// The coordinates of each of them.
+/// The independent coordinates of each of them.
 pub(crate) fn width(mechanism: &Mechanism, array: usize) -> usize {
     if array == 0 {
         mechanism.positions()
     } else {
-        mechanism.dof()
+        mechanism.independent()
     }
 }
 
