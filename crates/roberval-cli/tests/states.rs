@@ -566,3 +566,25 @@ fn numbers_that_are_the_names_of_other_joints_are_refused() {
     let words = "columns 2 (q_2) and 3 (q_3) both give q of joint 2";
     assert!(run.err.contains(words), "{}", run.err);
 }
+
+#[test]
+fn lines_are_counted_as_editors_count_them() {
+    let folder = Folder::new("lines");
+    let good = "1,2,3,4,5,6";
+    for end in ["\n", "\r\n", "\r"] {
+        for (last, words) in [("1,2,x,4,5,6", ":6: column qd_1"), ("1,2", ":6: 2 values")] {
+            for tail in ["", end] {
+                let lines = ["", HEADER, good, good, "", last];
+                let text = format!("{}{tail}", lines.join(end));
+                let run = roberval(&[
+                    "regressor",
+                    "two_link",
+                    &folder.file("s.csv", text),
+                    "-o",
+                    "-",
+                ]);
+                assert!(run.err.contains(words), "{end:?} {tail:?}: {}", run.err);
+            }
+        }
+    }
+}

@@ -41,11 +41,14 @@ impl<R: Read> Table<R> {
         let mut reader = ReaderBuilder::new()
             .trim(Trim::Headers)
             .buffer_capacity(BUFFER)
-            .from_reader(Lines { file, length: 0 });
-        let header = reader.headers().map_err(fault)?.clone();
+            .from_reader(Lines::of(file));
+        let header = match reader.headers() {
+            Ok(header) => header.clone(),
+            Err(error) => return Err(fault(&reader, &error)),
+        };
         let titles: Vec<&str> = header.iter().collect();
         let columns = columns(&titles, mechanism, wanted).map_err(|what| Fault {
-            line: Some(1),
+            line: Some(line(&reader)),
             what,
         })?;
         Ok(Self {
@@ -70,19 +73,16 @@ impl<R: Read> Table<R> {
     /// needed; there is no row at all; the text is not UTF-8, or cannot be read.
     pub fn read(&mut self, most: usize, arrays: &mut [Vec<f64>]) -> Result<usize, Fault> {
         let mut count = 0;
-        while count < most && self.reader.read_record(&mut self.record).map_err(fault)? {
-            for (array, columns) in arrays.iter_mut().zip(&self.columns.of) {
-                for column in columns {
-                    let value = match *column {
-                        Some(c) => number(self.record[c].trim(), &self.header[c]),
-                        None => Ok(0.0),
-                    };
-                    array.push(value.map_err(|what| Fault {
-                        line: self.record.position().map(csv::Position::line),
-                        what,
-                    })?);
-                }
+        while count < most {
+            match self.reader.read_record(&mut self.record) {
+                Ok(true) => {}
+                Ok(false) => break,
+                Err(error) => return Err(fault(&self.reader, &error)),
             }
+            self.take(arrays).map_err(|what| Fault {
+                line: Some(line(&self.reader)),
+                what,
+            })?;
             count += 1;
         }
         self.rows += count as u64;
@@ -91,6 +91,47 @@ impl<R: Read> Table<R> {
             return Err(Fault { line: None, what });
         }
         Ok(count)
+    }
+
+    /// Puts the record's numbers to the ends of the arrays.
+    fn take(&self, arrays: &mut [Vec<f64>]) -> Result<(), String> {
+        for (array, columns) in arrays.iter_mut().zip(&self.columns.of) {
+            for column in columns {
+                array.push(match *column {
+                    Some(c) => number(self.record[c].trim(), &self.header[c])?,
+                    None => 0.0,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The line that the last record ended with. (A record's own position is before the empty
+/// lines above it.)
+fn line<R: Read>(reader: &Reader<Lines<R>>) -> u64 {
+    reader.position().line().saturating_sub(1).max(1)
+}
+
+fn fault<R: Read>(reader: &Reader<Lines<R>>, error: &csv::Error) -> Fault {
+    let what = match error.kind() {
+        ErrorKind::Io(error) => {
+            return Fault {
+                line: None,
+                what: format!("cannot be read: {error}"),
+            };
+        }
+        ErrorKind::Utf8 { .. } => "the text is not UTF-8".to_owned(),
+        ErrorKind::UnequalLengths {
+            expected_len, len, ..
+        } => {
+            format!("{len} values under {expected_len} columns (decimals are written with a point)")
+        }
+        _ => error.to_string(),
+    };
+    Fault {
+        line: Some(line(reader)),
+        what,
     }
 }
 
@@ -106,30 +147,61 @@ fn number(text: &str, column: &str) -> Result<f64, String> {
     }
 }
 
-fn fault(error: csv::Error) -> Fault {
-    let line = error.position().map(csv::Position::line);
-    let what = match error.kind() {
-        ErrorKind::Io(error) => format!("cannot be read: {error}"),
-        ErrorKind::Utf8 { .. } => "the text is not UTF-8".to_owned(),
-        ErrorKind::UnequalLengths {
-            expected_len, len, ..
-        } => {
-            format!("{len} values under {expected_len} columns (decimals are written with a point)")
-        }
-        _ => error.to_string(),
-    };
-    Fault { line, what }
-}
-
-/// A reader that refuses endless lines.
+/// A reader whose lines end with a line feed each, so that they can be counted, and that
+/// refuses endless ones.
 struct Lines<R> {
     file: R,
+    /// Bytes of the line so far.
     length: usize,
+    /// The last byte that was read.
+    last: u8,
+}
+
+impl<R> Lines<R> {
+    fn of(file: R) -> Self {
+        Self {
+            file,
+            length: 0,
+            last: b'\n',
+        }
+    }
+
+    /// Makes each of CR LF, CR and LF a line feed; gives the number of bytes.
+    fn unify(&mut self, bytes: &mut [u8]) -> usize {
+        let mut kept = 0;
+        for at in 0..bytes.len() {
+            let byte = bytes[at];
+            if byte != b'\n' || self.last != b'\r' {
+                bytes[kept] = if byte == b'\r' { b'\n' } else { byte };
+                kept += 1;
+            }
+            self.last = byte;
+        }
+        kept
+    }
 }
 
 impl<R: Read> Read for Lines<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.file.read(buffer)?;
+        let mut count = 0;
+        while count == 0 && !buffer.is_empty() {
+            let read = self.file.read(buffer)?;
+            if read == 0 {
+                if !matches!(self.last, b'\n' | b'\r') {
+                    buffer[0] = b'\n';
+                    self.last = b'\n';
+                    count = 1;
+                }
+                break;
+            }
+            let bytes = &mut buffer[..read];
+            count = if self.last == b'\r' || bytes.contains(&b'\r') {
+                self.unify(bytes)
+            } else {
+                self.last = bytes[read - 1];
+                read
+            };
+        }
         match buffer[..count].iter().rposition(|b| *b == b'\n') {
             Some(end) => self.length = count - end - 1,
             None => self.length += count,
