@@ -47,7 +47,8 @@ def expected(base: rv.BaseParameters, **options: Any) -> rv.ObservationQR:
     for k, part in enumerate(parts):
         rows = samples(60)[20 * k : 20 * k + 20]
         w = weights[20 * k : 20 * k + 20] if np.ndim(weights) == 2 else weights
-        part.update(*(np.ascontiguousarray(rows[:, 6 * a : 6 * a + 6]) for a in range(4)), w)
+        q, qd, qdd, tau = np.split(rows, 4, axis=1)
+        part.update(q, qd, qdd, tau, w)
     parts[0].merge(parts[1])
     parts[0].merge(parts[2])
     return parts[0]
@@ -69,7 +70,7 @@ def test_weights_are_numbers_or_columns(base: rv.BaseParameters) -> None:
     qr = reduced(dataset(table()), base, weights=rows)
     assert np.array_equal(qr.r_factor, expected(base, weights=rows).r_factor)
     w = np.random.default_rng(1).uniform(0.5, 2, (60, 6))
-    weighted = dataset(table(**{f"w_{j + 1}": w[:, j] for j in range(6)}))
+    weighted = dataset(table().assign(**{f"w_{j + 1}": w[:, j] for j in range(6)}))
     qr = reduced(weighted, base, weights="columns")
     assert np.array_equal(qr.r_factor, expected(base, weights=w).r_factor)
     with pytest.raises(rv.ShapeError, match=r"there is no w_1"):

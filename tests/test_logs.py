@@ -59,7 +59,8 @@ def factor(path: Path) -> np.ndarray:
 
 def expected(rows: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
     qr = rv.ObservationQR(rv.load("puma560"))
-    qr.update(*(np.ascontiguousarray(rows[:, 6 * k : 6 * k + 6]) for k in range(4)), weights)
+    q, qd, qdd, tau = np.split(rows, 4, axis=1)
+    qr.update(q, qd, qdd, tau, weights)
     return qr.r_factor
 
 
@@ -83,9 +84,8 @@ def test_numbers_that_are_names_of_other_joints_are_refused(
 def test_titles_of_a_robots_own_joints_are_its_columns_in_order(robot: str) -> None:
     model = rv.load(robot)
     coordinates = (model.positions, model.velocities, model.velocities, model.rows)
-    titles = [
-        [f"{array}_{name}" for name in of] for array, of in zip(logs.ARRAYS, coordinates, strict=True)
-    ]
+    of = zip(logs.ARRAYS, coordinates, strict=True)
+    titles = [[f"{array}_{name}" for name in names] for array, names in of]
     mixed = sum(reversed(titles), ["time"])
     from roberval.logs.columns import columns
 
@@ -113,7 +113,7 @@ def test_csv_is_read_by_the_rules_of_regressor(
         words[3] = word
     for faulty, said in (
         ([*plain[:30], ",".join(bad[0]), *plain[31:]], ":31: column q_4: "),
-        ([*plain[:30], "", ",".join(bad[1]), *plain[31:]], ':32: column q_4: "1_0" is not a number'),
+        ([*plain[:30], "", ",".join(bad[1])], ':32: column q_4: "1_0" is not a number'),
         ([*plain[:30], ",".join(bad[2])], ":31: column q_4: "),
         ([*plain[:30], ",".join(bad[3])], ':31: column q_4: "" is not a number'),
         (plain[:1], "there is a header line but no state below it"),
@@ -133,7 +133,7 @@ def test_rows_are_counted_within_their_file(
     form: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(logs, "PIECE", 16)
-    write = {"npz": npz, "parquet": parquet}[form]
+    write = npz if form == "npz" else parquet
     first, rows = write(tmp_path / f"a.{form}", samples()), samples()
     rows[33, 3] = np.inf
     second = write(tmp_path / f"b.{form}", rows)
@@ -145,7 +145,7 @@ def test_rows_are_counted_within_their_file(
 def test_files_without_samples_are_refused(
     form: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = {"npz": npz, "parquet": parquet}[form](tmp_path / f"a.{form}", samples(0))
+    path = (npz if form == "npz" else parquet)(tmp_path / f"a.{form}", samples(0))
     assert reduced(path, "-o", tmp_path / "R.npz") == 2
     assert f"{path}: there are no samples in it" in capsys.readouterr().err
 
@@ -337,9 +337,8 @@ def test_the_bar_ends_its_line_and_counts_this_runs_samples(
 ) -> None:
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     monkeypatch.setattr(time, "monotonic", iter([0.0, 1.0]).__next__)
-    with pytest.raises(rv.ArrayError), progress.Progress(2, 5_000_000, True) as bar:
+    with progress.Progress(2, 5_000_000, True) as bar:
         bar.draw(1.0, 7_000_000)
-        raise rv.ArrayError
     assert capsys.readouterr().err.endswith("50%, 7000000 samples, 2.00 M/s \n")
 
 

@@ -14,7 +14,7 @@ from ..robot import Robot
 from . import Note, Piece, rows_of
 from .columns import columns
 
-NUMBERS = 1 << 18
+NUMBERS = 1 << 17
 """Numbers read at a time: Ctrl-C waits for them."""
 
 
@@ -38,10 +38,7 @@ def pieces(path: Path, robot: Robot, weights: bool, note: Note) -> Iterator[Piec
     import pyarrow.parquet as parquet
 
     # A page at a time: a row group may be larger than the memory there is.
-    with (
-        path.open("rb") as opened,
-        parquet.ParquetFile(opened, pre_buffer=False, buffer_size=1 << 16) as file,
-    ):
+    with parquet.ParquetFile(path, pre_buffer=False, buffer_size=1 << 16) as file:
         schema = file.schema_arrow
         wanted, said = columns(robot, schema.names, str(path), weights)
         if said:
