@@ -329,7 +329,7 @@ pub struct ReduceArgs {
     /// Logs: CSV, NPZ or Parquet files
     #[arg(required = true)]
     pub samples: Vec<PathBuf>,
-    /// The NPZ file to write
+    /// The NPZ file to write; - is the standard output
     #[arg(short, long, value_name = "R.npz")]
     pub output: PathBuf,
     /// Only the columns of the base parameters
@@ -344,7 +344,7 @@ pub struct ReduceArgs {
     )]
     pub friction: Vec<String>,
     /// How much squared residuals count: a number for each row of the torques (W1,W2,...), or
-    /// `columns`, those called w_1.. of the logs (arrays w in NPZ)
+    /// `columns`, those called w_1.. of the logs (in NPZ the array w)
     #[arg(long, value_name = "WEIGHTS", value_parser = weights)]
     pub weights: Option<Weights>,
     /// Threads [default: one a core]
