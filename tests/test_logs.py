@@ -371,3 +371,15 @@ def test_a_digest_sees_the_ends_of_large_files(tmp_path: Path) -> None:
         assert checkpoints.identity(path, "") != plain
         content[place] = 0
     assert json.loads(json.dumps([plain])) == [list(plain)]
+
+
+def test_samples_too_large_for_r_are_refused_and_nothing_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rows = samples()
+    rows[20:, 6:12] *= 1e200
+    good, bad = npz(tmp_path / "good.npz", samples()), npz(tmp_path / "bad.npz", rows)
+    out, checkpoint = tmp_path / "R.npz", tmp_path / "c"
+    assert reduced(good, bad, "-o", out, "--checkpoint", checkpoint) == 2
+    assert f"roberval: error: {bad}: " in capsys.readouterr().err
+    assert not out.exists()
