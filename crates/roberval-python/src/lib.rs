@@ -15,6 +15,7 @@ mod samples;
 mod scaling;
 mod states;
 mod symbols;
+mod turns;
 
 use pyo3::prelude::*;
 
