@@ -125,7 +125,7 @@ def reduce_partition(
         try:
             qr.update(q, qd, qdd, tau, w[0] if w else weights)
         except ArrayError as error:
-            where = logs.placed(error, first, first)
+            where = logs.placed(error, first)
             raise ArrayError(f"dataset: partition {number}: {where}") from None
     return qr
 

@@ -121,7 +121,7 @@ def writable(path: Path) -> None:
         fault = errno.ENOTDIR if folder.exists() else errno.ENOENT
     elif path.is_dir():
         fault = errno.EISDIR
-    elif not os.access(folder, os.W_OK):
+    elif not os.access(folder, os.W_OK) or (path.exists() and not path.stat().st_mode & 0o222):
         fault = errno.EACCES
     if fault is not None:
         raise OSError(fault, os.strerror(fault), str(path))
@@ -201,11 +201,10 @@ class Reduction:
             return False
         start, self.skip = self.skip, 0
         q, qd, qdd, tau, *w = [array[start:] for array in piece.arrays]
-        before = self.qr.samples
         try:
             self.qr.update(q, qd, qdd, tau, w[0] if w else self.weights)
         except ArrayError as error:
-            where = logs.placed(error, before, piece.first + start)
+            where = logs.placed(error, piece.first + start)
             raise ArrayError(f"{path}: {where}") from None
         return True
 

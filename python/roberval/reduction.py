@@ -29,7 +29,8 @@ FRICTION = ("viscous", "coulomb", "offset")
 """Kinds of columns that stand for a joint's friction: qd, sign(qd) and 1."""
 
 Inputs = list[tuple[str, int]]
-"""Names and sizes of the files that an accumulator has begun to take in."""
+"""What tells the files that an accumulator has begun to take in (a digest and the name) and their
+sizes: see `checkpoints.identity`."""
 
 
 class ObservationQR:

@@ -94,16 +94,11 @@ def reader_of(path: Path) -> Reader:
     return reader
 
 
-def placed(error: ArrayError, before: int, first: int) -> str:
+def placed(error: ArrayError, first: int) -> str:
     """Return an error of an update with the row counted in its file.
 
-    `first` is the row of the update's first sample; `before` are the samples taken in before it,
-    where the error counts over all.
+    `first` is the row of the update's first sample.
     """
-    own = getattr(error, "row", None)
-
-    def row(found: re.Match[str]) -> str:
-        counted = int(found[1]) - before if own is None else own
-        return f"[{first + counted}, "
-
-    return re.sub(r"\[(\d+), ", row, str(error), count=1)
+    if error.row is None:
+        return str(error)
+    return re.sub(r"\[\d+, ", f"[{first + error.row}, ", str(error), count=1)
