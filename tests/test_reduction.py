@@ -53,9 +53,9 @@ def test_r_is_numpys(base: rv.BaseParameters) -> None:
     eye = np.tile(np.eye(6), (777, 1))
     kinds = [qd.reshape(-1, 1) * eye, np.sign(qd).reshape(-1, 1) * eye, eye]
     R = one_shot(np.column_stack([W, *kinds]), tau.ravel())
-    assert np.abs(qr.r_factor - R[:-1, :-1]).max() <= 10 * ACCURACY * np.abs(R).max()
-    assert np.abs(qr.qt_tau - R[:-1, -1]).max() <= 10 * ACCURACY * np.abs(R).max()
-    assert abs(qr.residual_norm - R[-1, -1]) <= 10 * ACCURACY * np.abs(R).max()
+    assert np.abs(qr.r_factor - R[:-1, :-1]).max() <= ACCURACY * np.abs(R).max()
+    assert np.abs(qr.qt_tau - R[:-1, -1]).max() <= ACCURACY * np.abs(R).max()
+    assert abs(qr.residual_norm - R[-1, -1]) <= ACCURACY * np.abs(R).max()
     assert qr.columns[40:47] == (*(f"viscous_{j}" for j in rv.load("puma560").joints), "coulomb_1")
     assert qr.samples == 777
 
@@ -71,7 +71,7 @@ def test_solve_finds_the_parameters_and_names_what_is_not_determined(
     np.testing.assert_allclose(qr.solve(), base.values(X), rtol=1e-10, atol=1e-9)
     everything = rv.ObservationQR(puma)
     everything.update(q, qd, qdd, tau)
-    with pytest.raises(rv.NumericalError, match="column XX_1 depends"):
+    with pytest.raises(rv.NumericalError, match="column XX_1 is zero"):
         everything.solve()
 
 
@@ -152,7 +152,7 @@ def test_loops_couples_and_floating_bases_reduce_too(name: str) -> None:
         rubbing[:, row, j] = qd[:, row]
     W = np.concatenate([base.regressor(q, qd, qdd), rubbing], axis=2)
     R = one_shot(W.reshape(-1, base.rank + joints), tau.ravel())
-    assert np.abs(qr.r_factor - R[:-1, :-1]).max() <= 10 * ACCURACY * np.abs(R).max()
+    assert np.abs(qr.r_factor - R[:-1, :-1]).max() <= ACCURACY * np.abs(R).max()
     assert len(qr.columns) == base.rank + joints
     if name == "four_bar":
         q[3] = np.nan
@@ -160,7 +160,7 @@ def test_loops_couples_and_floating_bases_reduce_too(name: str) -> None:
         q[3, 3:7] = 0
     else:
         return
-    with pytest.raises(rv.ArrayError, match=r"q\[503, "):
+    with pytest.raises(rv.ArrayError, match=r"q\[3, "):
         qr.update(q, qd, qdd, tau)
     assert qr.samples == 500
 
@@ -229,13 +229,14 @@ def test_a_killed_reduction_goes_on_with_the_same_bits(tmp_path: Path) -> None:
                 time.sleep(0.001)
         kills += 1
     # Whatever was left, even a half-written successor of the checkpoint.
-    (tmp_path / ".progress.part").write_bytes(b"half")
+    (tmp_path / ".roberval-1-half.tmp").write_bytes(b"half")
+    os.utime(tmp_path / ".roberval-1-half.tmp", (0, 0))
     subprocess.run(command("R.npz", "--checkpoint", str(checkpoint)), check=True)
     with np.load(tmp_path / "whole.npz") as whole, np.load(tmp_path / "R.npz") as resumed:
         assert resumed["samples"] == 1_200_000
         for name in whole.files:
             assert np.array_equal(whole[name], resumed[name])
-    assert not (tmp_path / ".progress.part").exists()
+    assert not (tmp_path / ".roberval-1-half.tmp").exists()
 
 
 def write(folder: Path, samples: tuple[np.ndarray, ...]) -> list[Path]:
@@ -349,7 +350,7 @@ def test_dask_gives_the_same_bits_for_any_number_of_workers(puma: rv.Robot, tmp_
     table = whole.to_numpy()
     together.update(*(np.ascontiguousarray(table[:, 6 * k : 6 * k + 6]) for k in range(4)))
     R = together.r_factor
-    assert np.abs(local.r_factor - R).max() <= 10 * ACCURACY * np.abs(R).max()
+    assert np.abs(local.r_factor - R).max() <= ACCURACY * np.abs(R).max()
 
 
 def test_ctrl_c_is_answered_and_nothing_taken_in() -> None:
@@ -453,9 +454,26 @@ def test_a_checkpoint_that_is_none_is_named(tmp_path: Path, puma: rv.Robot) -> N
     path.write_bytes(b"text")
     with pytest.raises(rv.CheckpointError, match=r"c: this is not a checkpoint of roberval"):
         rv.ObservationQR.load(path, puma)
-    path.write_bytes(b"RBVLIN\x001{3\n")
-    with pytest.raises(rv.CheckpointError, match=r"c: the checkpoint is damaged"):
-        rv.ObservationQR.load(path, puma)
+    for old in (b"RBVLIN\x001", b"RBVLQR\x002"):
+        path.write_bytes(old + bytes(100))
+        with pytest.raises(rv.CheckpointError, match=r"c: this checkpoint is of another version"):
+            rv.ObservationQR.load(path, puma)
+
+
+def test_a_flip_of_any_bit_of_a_checkpoint_is_found(
+    base: rv.BaseParameters, tmp_path: Path
+) -> None:
+    file, path = tmp_path / "s.npz", tmp_path / "c"
+    np.savez(file, **arrays_of(data(6, 100)))
+    assert reduced(file, "-o", tmp_path / "R.npz", "--checkpoint", path) == 0
+    whole = path.read_bytes()
+    assert b"s.npz" in whole
+    for bit in (*range(8 * 200), *range(8 * 200, 8 * len(whole), 5003)):
+        damaged = bytearray(whole)
+        damaged[bit // 8] ^= 1 << bit % 8
+        path.write_bytes(damaged)
+        with pytest.raises(rv.CheckpointError):
+            rv.ObservationQR.load(path, base)
 
 
 def test_merge_refuses_another_robot_itself_and_what_is_no_accumulator(puma: rv.Robot) -> None:

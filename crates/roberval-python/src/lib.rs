@@ -14,6 +14,7 @@ mod robot;
 mod scaling;
 mod states;
 mod symbols;
+mod turns;
 
 use pyo3::prelude::*;
 
