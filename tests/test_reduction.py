@@ -342,7 +342,7 @@ def test_dask_gives_the_same_bits_for_any_number_of_workers(puma: rv.Robot, tmp_
     local = rv.reduce_dataset(dataset, base, friction=("viscous",))
     assert local.samples == 400
     cluster = distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50
+        n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs=50
     )
     with cluster, distributed.Client(cluster):
         assert same(rv.reduce_dataset(dataset, base, friction=("viscous",)), local)

@@ -29,15 +29,15 @@ pub(crate) fn suspicious(values: &[f64]) -> bool {
 }
 
 fn any_above(values: &[f64], limit: f64) -> bool {
-    let mut above = [false; 8];
+    // NaN is not within, either.
+    let mut within = [true; 8];
     let (eights, rest) = values.as_chunks::<8>();
     for eight in eights {
-        for (above, x) in above.iter_mut().zip(eight) {
-            // Not `>`: NaN is above, too.
-            *above |= !(x.abs() <= limit);
+        for (within, x) in within.iter_mut().zip(eight) {
+            *within &= x.abs() <= limit;
         }
     }
-    above.contains(&true) || rest.iter().any(|x| !(x.abs() <= limit))
+    within.contains(&false) || !rest.iter().all(|x| x.abs() <= limit)
 }
 
 impl Reduction {
