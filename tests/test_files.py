@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -111,3 +113,60 @@ def test_links_without_inertia_are_shown_and_not_warned_of(recwarn: Any) -> None
     assert robot.base_parameters().rank == 3
     assert not recwarn.list
     assert "needs none" in robot.to_markdown()
+
+
+def test_links_stay_links(tmp_path: Path, base: rv.BaseParameters) -> None:
+    (tmp_path / "far").mkdir()
+    link = tmp_path / "link"
+    link.symlink_to(tmp_path / "far" / "file")
+    qr = rv.ObservationQR(base)
+    for save in (qr.save, qr.save_factor, base.save_certificate):
+        # The first time the link points to nothing.
+        save(link)
+        assert link.is_symlink()
+    assert [path.name for path in (tmp_path / "far").iterdir()] == ["file"]
+
+
+def test_what_is_no_file_is_written_to(tmp_path: Path, base: rv.BaseParameters) -> None:
+    # A pipe: a device of the machine's own must not depend on a test that may fail.
+    if not hasattr(os, "mkfifo"):
+        pytest.skip("there are no pipes with names")
+    pipe, link, read = tmp_path / "pipe", tmp_path / "link", list[bytes]()
+    os.mkfifo(pipe)
+    link.symlink_to(pipe)
+    qr = rv.ObservationQR(base)
+    for target in (pipe, link):
+        # A daemon: it would wait for ever at a pipe that was replaced.
+        reader = threading.Thread(target=lambda: read.append(pipe.read_bytes()), daemon=True)
+        reader.start()
+        qr.save(target)
+        assert pipe.is_fifo()
+        reader.join(60)
+    qr.save(tmp_path / "file")
+    assert b"".join(read) == 2 * (tmp_path / "file").read_bytes()
+
+
+def test_errors_of_writing_name_the_file_and_nothing_else(
+    tmp_path: Path, base: rv.BaseParameters
+) -> None:
+    locked, qr = tmp_path / "locked", rv.ObservationQR(base)
+    locked.write_text("kept")
+    locked.chmod(0o444)
+    for save in (qr.save, qr.save_factor, base.save_certificate):
+        for target in (tmp_path / "no" / "file", tmp_path, locked):
+            with pytest.raises(OSError, match=r"^\[Errno \d+\] [^>]*$") as told:
+                save(target)
+            assert str(told.value).endswith(f": {str(target)!r}")
+    assert locked.read_text() == "kept"
+
+
+def test_drafts_of_killed_processes_are_swept_and_those_of_others_are_not(
+    tmp_path: Path, base: rv.BaseParameters
+) -> None:
+    old, young = tmp_path / ".roberval-1-0.tmp", tmp_path / ".roberval-2-0.tmp"
+    for draft in (old, young):
+        draft.write_text("half")
+    os.utime(old, (0, 0))
+    rv.ObservationQR(base).save_factor(tmp_path / "R.npz")
+    assert not old.exists()
+    assert young.exists()

@@ -16,8 +16,8 @@ from wheels import robot_file
 
 Array = npt.NDArray[np.float64]
 
-PEER_ERROR = 1e-12
-"""Relative to the largest entry: two recursions, each with some hundred roundings."""
+PEER_ERROR = 1e-14
+"""Relative to the largest entry (issue 5); two recursions differ by 4e-15 and less."""
 
 KINDS = ("M", "MX", "MY", "MZ", "XX", "XY", "YY", "XZ", "YZ", "ZZ")
 """Pinocchio's parameters of a body, in our names."""

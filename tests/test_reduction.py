@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 import roberval as rv
-from roberval import reducing
+from roberval import checkpoints, logs, reducing
 
 # Rounding of R over some thousand rows, relative to its largest entry (issue 5).
 ACCURACY = 1e-14
@@ -53,9 +53,9 @@ def test_r_is_numpys(base: rv.BaseParameters) -> None:
     eye = np.tile(np.eye(6), (777, 1))
     kinds = [qd.reshape(-1, 1) * eye, np.sign(qd).reshape(-1, 1) * eye, eye]
     R = one_shot(np.column_stack([W, *kinds]), tau.ravel())
-    assert np.abs(qr.r_factor - R[:-1, :-1]).max() <= 10 * ACCURACY * np.abs(R).max()
-    assert np.abs(qr.qt_tau - R[:-1, -1]).max() <= 10 * ACCURACY * np.abs(R).max()
-    assert abs(qr.residual_norm - R[-1, -1]) <= 10 * ACCURACY * np.abs(R).max()
+    assert np.abs(qr.r_factor - R[:-1, :-1]).max() <= ACCURACY * np.abs(R).max()
+    assert np.abs(qr.qt_tau - R[:-1, -1]).max() <= ACCURACY * np.abs(R).max()
+    assert abs(qr.residual_norm - R[-1, -1]) <= ACCURACY * np.abs(R).max()
     assert qr.columns[40:47] == (*(f"viscous_{j}" for j in rv.load("puma560").joints), "coulomb_1")
     assert qr.samples == 777
 
@@ -71,7 +71,7 @@ def test_solve_finds_the_parameters_and_names_what_is_not_determined(
     np.testing.assert_allclose(qr.solve(), base.values(X), rtol=1e-10, atol=1e-9)
     everything = rv.ObservationQR(puma)
     everything.update(q, qd, qdd, tau)
-    with pytest.raises(rv.NumericalError, match="column XX_1 depends"):
+    with pytest.raises(rv.NumericalError, match="column XX_1 is zero"):
         everything.solve()
 
 
@@ -152,7 +152,7 @@ def test_loops_couples_and_floating_bases_reduce_too(name: str) -> None:
         rubbing[:, row, j] = qd[:, row]
     W = np.concatenate([base.regressor(q, qd, qdd), rubbing], axis=2)
     R = one_shot(W.reshape(-1, base.rank + joints), tau.ravel())
-    assert np.abs(qr.r_factor - R[:-1, :-1]).max() <= 10 * ACCURACY * np.abs(R).max()
+    assert np.abs(qr.r_factor - R[:-1, :-1]).max() <= ACCURACY * np.abs(R).max()
     assert len(qr.columns) == base.rank + joints
     if name == "four_bar":
         q[3] = np.nan
@@ -160,7 +160,7 @@ def test_loops_couples_and_floating_bases_reduce_too(name: str) -> None:
         q[3, 3:7] = 0
     else:
         return
-    with pytest.raises(rv.ArrayError, match=r"q\[503, "):
+    with pytest.raises(rv.ArrayError, match=r"q\[3, "):
         qr.update(q, qd, qdd, tau)
     assert qr.samples == 500
 
@@ -229,18 +229,19 @@ def test_a_killed_reduction_goes_on_with_the_same_bits(tmp_path: Path) -> None:
                 time.sleep(0.001)
         kills += 1
     # Whatever was left, even a half-written successor of the checkpoint.
-    (tmp_path / ".progress.part").write_bytes(b"half")
+    (tmp_path / ".roberval-1-half.tmp").write_bytes(b"half")
+    os.utime(tmp_path / ".roberval-1-half.tmp", (0, 0))
     subprocess.run(command("R.npz", "--checkpoint", str(checkpoint)), check=True)
     with np.load(tmp_path / "whole.npz") as whole, np.load(tmp_path / "R.npz") as resumed:
         assert resumed["samples"] == 1_200_000
         for name in whole.files:
             assert np.array_equal(whole[name], resumed[name])
-    assert not (tmp_path / ".progress.part").exists()
+    assert not (tmp_path / ".roberval-1-half.tmp").exists()
 
 
 def write(folder: Path, samples: tuple[np.ndarray, ...]) -> list[Path]:
     """Write the same samples as CSV, NPZ and Parquet."""
-    names = [f"{array}_{j}" for array in reducing.ARRAYS for j in range(1, 7)]
+    names = [f"{array}_{j}" for array in logs.ARRAYS for j in range(1, 7)]
     table = np.column_stack(samples)
     text = "\n".join(",".join(map(repr, row)) for row in table.tolist())
     (folder / "samples.csv").write_text(",".join(names) + "\n" + text + "\n")
@@ -274,14 +275,14 @@ def test_files_of_every_form_give_the_same_bits(
 
 def test_the_command_says_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bad = tmp_path / "bad.csv"
-    names = ",".join(f"{array}_{j}" for array in reducing.ARRAYS for j in range(1, 7))
+    names = ",".join(f"{array}_{j}" for array in logs.ARRAYS for j in range(1, 7))
     bad.write_text(names + "\n" + ",".join(["1"] * 24) + "\n" + ",".join(["1"] * 23) + ",x\n")
     out = tmp_path / "R.npz"
     assert reducing.command(["puma560", str(bad), "-o", str(out)]) == 2
-    assert "bad.csv:3: 'x' is not a number" in capsys.readouterr().err
+    assert 'bad.csv:3: column tau_6: "x" is not a number' in capsys.readouterr().err
     bad.write_text("q_1\n1\n")
     assert reducing.command(["puma560", str(bad), "-o", str(out)]) == 2
-    assert "no column q_2" in capsys.readouterr().err
+    assert "there is no q_2, q_3" in capsys.readouterr().err
     assert not out.exists()
 
 
@@ -294,7 +295,7 @@ def test_parquet_columns_may_be_of_any_kind_of_number(
     samples = [np.round(4 * array) for array in data(6, 20_000)]
     expected = rv.ObservationQR(puma)
     expected.update(*samples)
-    names = [f"{array}_{j}" for array in reducing.ARRAYS for j in range(1, 7)]
+    names = [f"{array}_{j}" for array in logs.ARRAYS for j in range(1, 7)]
     columns = [pyarrow.array(column) for array in samples for column in array.T]
     kinds = [pyarrow.int8(), pyarrow.float32(), pyarrow.float64(), pyarrow.int64()]
     columns = [column.cast(kinds[k % 4]) for k, column in enumerate(columns)]
@@ -322,7 +323,7 @@ def test_parquet_is_read_without_pandas_which_forgets_ctrl_c(tmp_path: Path) -> 
     path = write(tmp_path, data(6, 10))[2]
     script = f"""
 import sys
-from roberval import reducing
+from roberval import checkpoints, logs, reducing
 assert reducing.command(["puma560", {str(path)!r}, "-o", {str(tmp_path / "R.npz")!r}]) == 0
 assert "pandas" not in sys.modules
 """
@@ -341,7 +342,7 @@ def test_dask_gives_the_same_bits_for_any_number_of_workers(puma: rv.Robot, tmp_
     local = rv.reduce_dataset(dataset, base, friction=("viscous",))
     assert local.samples == 400
     cluster = distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50
+        n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs=50
     )
     with cluster, distributed.Client(cluster):
         assert same(rv.reduce_dataset(dataset, base, friction=("viscous",)), local)
@@ -349,7 +350,7 @@ def test_dask_gives_the_same_bits_for_any_number_of_workers(puma: rv.Robot, tmp_
     table = whole.to_numpy()
     together.update(*(np.ascontiguousarray(table[:, 6 * k : 6 * k + 6]) for k in range(4)))
     R = together.r_factor
-    assert np.abs(local.r_factor - R).max() <= 10 * ACCURACY * np.abs(R).max()
+    assert np.abs(local.r_factor - R).max() <= ACCURACY * np.abs(R).max()
 
 
 def test_ctrl_c_is_answered_and_nothing_taken_in() -> None:
@@ -389,7 +390,7 @@ def reduced(*arguments: object) -> int:
 
 
 def arrays_of(samples: tuple[np.ndarray, ...]) -> dict[str, Any]:
-    return dict(zip(reducing.ARRAYS, samples, strict=True))
+    return dict(zip(logs.ARRAYS, samples, strict=True))
 
 
 def test_a_checkpoint_of_other_files_is_refused_and_kept(
@@ -441,6 +442,9 @@ def test_a_checkpoint_with_more_samples_than_the_files_is_refused_and_kept(
     qr = rv.ObservationQR(base)
     qr.update(*data(6, 250))
     qr.save(checkpoint)
+    assert reduced(file, "-o", out, "--checkpoint", checkpoint) == 2
+    assert "was saved by ObservationQR.save, which does not know" in capsys.readouterr().err
+    qr._save_with_inputs(checkpoint, [checkpoints.identity(file, "None False")])
     kept = checkpoint.read_bytes()
     assert reduced(file, "-o", out, "--checkpoint", checkpoint) == 2
     assert "c has 250 samples and the files have 100" in capsys.readouterr().err
@@ -453,9 +457,26 @@ def test_a_checkpoint_that_is_none_is_named(tmp_path: Path, puma: rv.Robot) -> N
     path.write_bytes(b"text")
     with pytest.raises(rv.CheckpointError, match=r"c: this is not a checkpoint of roberval"):
         rv.ObservationQR.load(path, puma)
-    path.write_bytes(b"RBVLIN\x001{3\n")
-    with pytest.raises(rv.CheckpointError, match=r"c: the checkpoint is damaged"):
-        rv.ObservationQR.load(path, puma)
+    for old in (b"RBVLIN\x001", b"RBVLQR\x002"):
+        path.write_bytes(old + bytes(100))
+        with pytest.raises(rv.CheckpointError, match=r"c: this checkpoint is of another version"):
+            rv.ObservationQR.load(path, puma)
+
+
+def test_a_flip_of_any_bit_of_a_checkpoint_is_found(
+    base: rv.BaseParameters, tmp_path: Path
+) -> None:
+    file, path = tmp_path / "s.npz", tmp_path / "c"
+    np.savez(file, **arrays_of(data(6, 100)))
+    assert reduced(file, "-o", tmp_path / "R.npz", "--checkpoint", path) == 0
+    whole = path.read_bytes()
+    assert b"s.npz" in whole
+    for bit in (*range(8 * 200), *range(8 * 200, 8 * len(whole), 5003)):
+        damaged = bytearray(whole)
+        damaged[bit // 8] ^= 1 << bit % 8
+        path.write_bytes(damaged)
+        with pytest.raises(rv.CheckpointError):
+            rv.ObservationQR.load(path, base)
 
 
 def test_merge_refuses_another_robot_itself_and_what_is_no_accumulator(puma: rv.Robot) -> None:
@@ -528,13 +549,13 @@ def test_a_csv_that_is_no_text_is_named(tmp_path: Path, capsys: pytest.CaptureFi
     path = tmp_path / "s.csv"
     path.write_bytes(b"q_1,\xff\xfe\n")
     assert reduced(path, "-o", tmp_path / "R.npz") == 2
-    assert f"{path}: this is no text in UTF-8" in capsys.readouterr().err
+    assert f"{path}:1: the text is not UTF-8" in capsys.readouterr().err
 
 
 def test_npz_arrays_may_be_of_any_real_type_and_order(
     puma: rv.Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(reducing, "PIECE", 128)
+    monkeypatch.setattr(logs, "PIECE", 128)
     q, qd, qdd, tau = (np.round(4 * array) for array in data(6, 500))
     stored: dict[str, Any] = {
         "q": q.astype(np.float32),
@@ -593,5 +614,4 @@ def test_the_command_reads_the_robot_as_asked(tmp_path: Path) -> None:
     qr = rv.ObservationQR(moon.base_parameters())
     qr.update(q, qd, qdd, tau)
     np.testing.assert_array_equal(np.load(out)["R"], qr.r_factor)
-    with pytest.raises(SystemExit):
-        reduced(file, "-o", out, "--gravity=0,0")
+    assert reduced(file, "-o", out, "--gravity=0,0") == 2

@@ -5,6 +5,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .options import Options, Reading
+from .reducing import Asked
 from .scaling import ScalingOptions
 
 __all__ = [
@@ -12,6 +13,7 @@ __all__ = [
     "Answer",
     "Columns",
     "Comparison",
+    "CsvSamples",
     "Robot",
     "Scaling",
     "Symbolic",
@@ -22,7 +24,9 @@ __all__ = [
     "convert",
     "lint",
     "read_instead",
+    "reduce_arguments",
     "run_cli",
+    "sample_columns",
 ]
 
 __version__: str
@@ -228,7 +232,19 @@ def conventions() -> list[tuple[str, list[str], str]]: ...
 def convert(convention: str, to_paper: bool, numbers: list[float]) -> list[float] | None: ...
 def catalogue() -> list[tuple[str, str, str]]: ...
 def read_instead(path: str, urdf: bool, text: str) -> None: ...
+def reduce_arguments(arguments: Sequence[str]) -> Asked | int: ...
 def run_cli(arguments: Sequence[str]) -> int: ...
+def sample_columns(
+    robot: Robot, titles: list[str], weights: bool
+) -> tuple[list[list[int]], str | None]: ...
+
+@final
+class CsvSamples:
+    @staticmethod
+    def open(robot: Robot, file: object, source: str, weights: bool) -> CsvSamples: ...
+    @property
+    def note(self) -> str | None: ...
+    def read(self, most: int) -> list[_Array] | None: ...
 
 @final
 class Accumulator:
@@ -240,9 +256,13 @@ class Accumulator:
         threads: int | None = None,
     ) -> Accumulator: ...
     @staticmethod
-    def from_bytes(bytes: bytes, robot: Robot, threads: int | None = None) -> Accumulator: ...
-    def to_bytes(self) -> bytes: ...
+    def from_bytes(
+        bytes: bytes, robot: Robot, threads: int | None = None
+    ) -> tuple[Accumulator, bytes]: ...
+    def to_bytes(self, note: bytes | None = None) -> bytes: ...
     def copy(self) -> Accumulator: ...
+    @property
+    def identity(self) -> bytes: ...
     @property
     def columns(self) -> tuple[list[int], list[bool]]: ...
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 
-from . import _core, importers
+from . import _core, importers, starting
 from .errors import RobervalError
 
 TAKES_A_ROBOT = ("show", "base", "compare", "clean", "regressor", "scale", "code", "lint")
@@ -19,16 +19,8 @@ BAD_INPUT = 2
 
 def main() -> int:
     """Run the command line with the arguments of this process; return the exit code."""
-    helps = {"-h", "--help"} & set(sys.argv)
-    if sys.argv[1:2] == ["reduce"] and not helps:
-        from . import reducing
-
-        code = reducing.command(sys.argv[2:])
-        if code == reducing.INTERRUPTED and sys.platform != "win32":
-            # The end of any command on Ctrl-C; the interpreter and pyarrow take 100 ms to leave.
-            signal.signal(signal.SIGINT, signal.SIG_DFL)
-            signal.raise_signal(signal.SIGINT)
-        return code
+    if sys.argv[1:2] == ["reduce"]:
+        return reduced(sys.argv[2:])
     # The core does the work outside Python, where Python's handlers never run: Ctrl-C and
     # a closed pipe end the process as they end any other command.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
@@ -41,6 +33,20 @@ def main() -> int:
         print(f"roberval: error: {error}", file=sys.stderr)
         return BAD_INPUT
     return _core.run_cli(arguments)
+
+
+def reduced(arguments: list[str]) -> int:
+    """Run ``roberval reduce``, which is in Python and ends in good order on Ctrl-C."""
+    from . import reducing
+
+    starting.take_from_system()
+    code = reducing.command(arguments)
+    starting.give_to_system()
+    if code == reducing.INTERRUPTED and sys.platform != "win32":
+        # The end of any command on Ctrl-C; the interpreter and pyarrow take 100 ms to leave.
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        signal.raise_signal(signal.SIGINT)
+    return code
 
 
 def imported(arguments: list[str]) -> list[str]:

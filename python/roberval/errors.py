@@ -46,7 +46,15 @@ class RobotError(RobervalError, ValueError):
 
 
 class ArrayError(RobervalError, ValueError):
-    """An array is not usable: its type, its memory, or numbers that are not finite."""
+    """An array is not usable: its type, its memory, or numbers that are not finite.
+
+    Attributes
+    ----------
+    row : int or None
+        The row of the arrays given that `ObservationQR.update` could not take in, from 0.
+    """
+
+    row: int | None = None
 
 
 class ShapeError(ArrayError):

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import re
-import tempfile
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, arrays
+from . import _core, arrays, files
 from .arrays import Array
 from .base import BaseParameters
 from .errors import (
@@ -29,14 +28,9 @@ from .robot import Robot
 FRICTION = ("viscous", "coulomb", "offset")
 """Kinds of columns that stand for a joint's friction: qd, sign(qd) and 1."""
 
-_INPUTS = b"RBVLIN\x001"
-"""What a checkpoint begins with that knows its files: they follow as a line of JSON."""
-
-_IDENTITY = slice(8, 40)
-"""Where the core's bytes have the robot's digest."""
-
 Inputs = list[tuple[str, int]]
-"""Names and sizes of the files that an accumulator has begun to take in."""
+"""What tells the files that an accumulator has begun to take in (a digest and the name) and their
+sizes: see `checkpoints.identity`."""
 
 
 class ObservationQR:
@@ -46,11 +40,15 @@ class ObservationQR:
     only, bit by bit, not on how they are cut into updates, nor on the number of threads, nor on
     the vector width of the processor (if it fuses products and sums, as all with AVX2 or NEON).
 
+    Threads may share an accumulator: their updates and merges wait for each other, in the order
+    of the calls. Whoever reads meanwhile, and a process forked meanwhile, sees the accumulator as
+    it was before the update under way.
+
     Parameters
     ----------
     model : Robot or BaseParameters
-        Whose columns: all standard parameters with an effect on the torques, or the base
-        parameters (of model d, whose rows the torques are).
+        Whose columns: all standard parameters, those without effect on the torques too (such
+        columns are zero), or the base parameters (of model d, whose rows the torques are).
     columns : str or sequence of str, optional
         Labels of the parameters to take instead.
     friction : iterable of {"viscous", "coulomb", "offset"}
@@ -97,6 +95,7 @@ class ObservationQR:
         if unknown:
             raise OptionError(f"friction is {unknown[0]!r}, expected some of {FRICTION}")
         self._robot = robot
+        self._independent = _independent(model, columns)
         wanted = (FRICTION[0] in kinds, FRICTION[1] in kinds, FRICTION[2] in kinds)
         self._inner = _core.Accumulator.new(
             robot._inner, [places[label] for label in columns], wanted, arrays.thread_count(threads)
@@ -123,18 +122,13 @@ class ObservationQR:
         new = cls.__new__(cls)
         new._robot = robot_of(model)
         count = arrays.thread_count(threads)
-        data, inputs = Path(path).read_bytes(), None
+        data = Path(path).read_bytes()
         try:
-            if data.startswith(_INPUTS):
-                line, _, data = data[len(_INPUTS) :].partition(b"\n")
-                inputs = [(str(name), int(size)) for name, size in json.loads(line)]
-            new._inner = _core.Accumulator.from_bytes(data, new._robot._inner, count)
+            new._inner, note = _core.Accumulator.from_bytes(data, new._robot._inner, count)
         except CheckpointError as error:
             raise CheckpointError(f"{path}: {error}") from None
-        except (ValueError, TypeError):
-            raise CheckpointError(
-                f"{path}: the checkpoint is damaged: its list of files cannot be read"
-            ) from None
+        new._independent = _independent(model, new.columns)
+        inputs = [(str(name), int(size)) for name, size in json.loads(note)] if note else None
         return new, inputs
 
     @property
@@ -148,7 +142,7 @@ class ObservationQR:
 
     @property
     def samples(self) -> int:
-        """Number of samples taken in."""
+        """Number of samples taken in by the updates that have ended."""
         return self._inner.samples
 
     def update(
@@ -171,7 +165,8 @@ class ObservationQR:
         Raises
         ------
         ShapeError, ArrayError
-            An array has the wrong shape or a number that is not finite: its row is named.
+            An array has the wrong shape, or a number that is not finite or so large that R
+            would not be: it is named, with its row in the array given.
         """
         n = self._robot.n
         states = arrays.states(q, qd, qdd, self._robot.nq, n)
@@ -193,12 +188,18 @@ class ObservationQR:
         self._inner.update(states.q, states.qd, states.qdd, torques, joints, rows)
 
     def merge(self, other: ObservationQR) -> None:
-        """Take in what another accumulator of the same robot and columns has taken in."""
+        """Take in what another accumulator of the same robot and columns has taken in.
+
+        Raises
+        ------
+        NumericalError
+            R would not be finite; nothing is taken in.
+        """
         if not isinstance(other, ObservationQR):
             raise TypeError(f"merge takes an ObservationQR, not {_told(other)}")
         if other is self:
             raise OptionError("an accumulator cannot be merged with itself: samples count once")
-        if other._inner.to_bytes()[_IDENTITY] != self._inner.to_bytes()[_IDENTITY]:
+        if other._inner.identity != self._inner.identity:
             raise OptionError(
                 f"these accumulators are of different robots: {self._robot.name} and "
                 f"{other._robot.name}, whose geometry or parameters differ"
@@ -243,39 +244,38 @@ class ObservationQR:
             said = re.sub(
                 r"^column (\d+)", lambda found: f"column {labels[int(found[1])]}", str(error)
             )
+            if said.endswith("these data"):
+                said += ": give data that move more"
+                if not self._independent:
+                    said += ", or columns that are independent (robot.base_parameters())"
             raise NumericalError(said) from None
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the accumulator to a file, as a whole or not at all, with a checksum."""
-        write_whole(Path(path), self._inner.to_bytes())
+        files.write(path, self._inner.to_bytes())
 
     def _save_with_inputs(self, path: Path, inputs: Inputs) -> None:
         """Write the accumulator and what files it has begun to take in."""
-        line = json.dumps(inputs).encode()
-        write_whole(path, _INPUTS + line + b"\n" + self._inner.to_bytes())
+        files.write(path, self._inner.to_bytes(json.dumps(inputs).encode()))
 
     def save_factor(self, path: str | os.PathLike[str]) -> None:
         """Write R, qt_tau, residual_norm, samples and columns as an NPZ file."""
-        target = Path(path)
-        factor = self._inner.factor()
-        with (
-            naming(target),
-            tempfile.TemporaryDirectory(dir=target.resolve().parent, prefix=".roberval-") as folder,
-        ):
-            written = Path(folder) / "R.npz"
-            np.savez(
-                written,
-                R=factor[:-1, :-1],
-                qt_tau=factor[:-1, -1],
-                residual_norm=factor[-1, -1],
-                samples=self.samples,
-                columns=np.array(self.columns),
-            )
-            written.replace(target)
+        # Another thread may go on updating this one.
+        inner = self._inner.copy()
+        factor, archive = inner.factor(), io.BytesIO()
+        np.savez(
+            archive,
+            R=factor[:-1, :-1],
+            qt_tau=factor[:-1, -1],
+            residual_norm=factor[-1, -1],
+            samples=inner.samples,
+            columns=np.array(self.columns),
+        )
+        files.write(path, archive.getvalue())
 
     def _copy(self) -> ObservationQR:
         new = type(self).__new__(type(self))
-        new._robot, new._inner = self._robot, self._inner.copy()
+        new.__dict__ |= self.__dict__ | {"_inner": self._inner.copy()}
         return new
 
     def __repr__(self) -> str:
@@ -283,14 +283,20 @@ class ObservationQR:
         return f"ObservationQR({self._robot.name!r}, {columns} columns, {self.samples} samples)"
 
     def __reduce__(self) -> tuple[object, ...]:
-        return _restore, (self._robot, self._inner.to_bytes())
+        others = {name: value for name, value in self.__dict__.items() if name != "_inner"}
+        return _restore, (type(self), self._robot, self._inner.to_bytes()), others
 
 
-def _restore(robot: Robot, data: bytes) -> ObservationQR:
-    new = ObservationQR.__new__(ObservationQR)
-    new._robot = robot
-    new._inner = _core.Accumulator.from_bytes(data, robot._inner, None)
+def _restore(cls: type[ObservationQR], robot: Robot, data: bytes) -> ObservationQR:
+    new = cls.__new__(cls)
+    new._inner, _ = _core.Accumulator.from_bytes(data, robot._inner, None)
     return new
+
+
+def _independent(model: Robot | BaseParameters, columns: Sequence[str]) -> bool:
+    """Tell whether the robot's own columns are known to be independent."""
+    own = set(columns) & set(robot_of(model).parameters)
+    return isinstance(model, BaseParameters) and own <= set(model.base)
 
 
 def robot_of(model: Robot | BaseParameters) -> Robot:
@@ -326,30 +332,3 @@ def _listed(name: str, value: str | Iterable[str]) -> tuple[str, ...]:
 def _told(value: Any) -> str:
     """Return a value of a wrong type as it stands in a message."""
     return f"{value!r:.60} ({type(value).__name__})"
-
-
-@contextmanager
-def naming(path: Path) -> Iterator[None]:
-    """Let errors of the system name the file that was asked for, not its draft."""
-    try:
-        yield
-    except OSError as error:
-        error.filename, error.filename2 = str(path), None
-        raise
-
-
-def write_whole(path: Path, data: bytes) -> None:
-    """Write a file as a whole or not at all."""
-    target = path.resolve()
-    # Always of one name: what a killed process leaves behind is overwritten.
-    written = target.with_name(f".{target.name}.part")
-    with naming(path):
-        try:
-            with written.open("wb") as file:
-                file.write(data)
-                file.flush()
-                os.fsync(file.fileno())
-            written.replace(target)
-        except BaseException:
-            written.unlink(missing_ok=True)
-            raise

@@ -112,13 +112,14 @@ Examples:
   roberval code arm.urdf --counts";
 
 const REDUCE: &str = "\
-Samples are files with the columns q_1.., qd_1.., qdd_1.. and tau_1.. (CSV, Parquet) or the arrays
-q, qd, qdd and tau (NPZ). R.npz has R, Q'tau (qt_tau), residual_norm, samples and the columns'
-names: numpy.load. The memory it takes does not grow with the samples.
+Logs are files with the columns q_1.., qd_1.., qdd_1.. and tau_1.. (CSV, Parquet; joints by number
+or name) or the arrays q, qd, qdd and tau (NPZ). R.npz has R, Q'tau (qt_tau), residual_norm,
+samples and the columns' names; numpy.linalg.solve(R, qt_tau) are the parameters. The memory
+it takes does not grow with the samples.
 
 Examples:
-  roberval reduce arm.urdf log1.csv log2.parquet -o R.npz --base --friction viscous coulomb
-  roberval reduce arm.urdf logs/*.npz -o R.npz --checkpoint R.tmp.npz      resumes where it was";
+  roberval reduce arm.urdf log1.csv log2.parquet -o R.npz --base --friction viscous,coulomb
+  roberval reduce arm.urdf logs/*.npz -o R.npz --checkpoint progress      resumes where it was";
 
 const SCALE: &str = "\
 The table shows what the search gained over random samples. --format csv writes the samples
@@ -319,25 +320,35 @@ pub(crate) struct ScaleArgs {
     pub output: OutputArgs,
 }
 
-/// What `roberval reduce` of the Python package takes: here for the help and the completions.
+/// What `roberval reduce` of the Python package takes.
 #[derive(Debug, Args)]
-pub(crate) struct ReduceArgs {
+pub struct ReduceArgs {
     /// A built-in robot, or a robot file
+    #[arg(value_parser = NonEmptyStringValueParser::new())]
     pub robot: String,
     /// Logs: CSV, NPZ or Parquet files
     #[arg(required = true)]
     pub samples: Vec<PathBuf>,
-    /// The NPZ file to write
+    /// The NPZ file to write; - is the standard output
     #[arg(short, long, value_name = "R.npz")]
     pub output: PathBuf,
     /// Only the columns of the base parameters
     #[arg(long)]
     pub base: bool,
-    /// Columns of friction to add
-    #[arg(long, num_args = 0.., value_parser = ["viscous", "coulomb", "offset"])]
+    /// Columns of friction to add for each joint, with commas between them
+    #[arg(
+        long,
+        value_name = "KINDS",
+        value_delimiter = ',',
+        value_parser = ["viscous", "coulomb", "offset"]
+    )]
     pub friction: Vec<String>,
+    /// How much squared residuals count: a number for each row of the torques (W1,W2,...), or
+    /// `columns`, those called w_1.. of the logs (in NPZ the array w)
+    #[arg(long, value_name = "WEIGHTS", value_parser = weights)]
+    pub weights: Option<Weights>,
     /// Threads [default: one a core]
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", value_parser = threads, allow_negative_numbers = true)]
     pub threads: Option<usize>,
     /// Save progress in this file, and resume from it
     #[arg(long, value_name = "FILE")]
@@ -345,8 +356,18 @@ pub(crate) struct ReduceArgs {
     /// No progress bar
     #[arg(long)]
     pub quiet: bool,
+    /// How the robot is read
     #[command(flatten)]
     pub reading: ReadingArgs,
+}
+
+/// Where the weights of `roberval reduce` are.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Weights {
+    /// In columns of the logs.
+    Columns,
+    /// Here, one for each row of the torques.
+    Rows(Vec<f64>),
 }
 
 #[derive(Debug, Args)]
@@ -373,7 +394,7 @@ pub(crate) struct RobotArgs {
 
 /// How a robot file is read.
 #[derive(Debug, Clone, Args)]
-pub(crate) struct ReadingArgs {
+pub struct ReadingArgs {
     /// Keep links on fixed joints of a URDF as links of their own
     #[arg(long)]
     pub keep_fixed: bool,
@@ -394,7 +415,7 @@ pub(crate) struct ReadingArgs {
 
 /// Three numbers as written.
 #[derive(Debug, Clone)]
-pub(crate) struct Gravity(pub [Quantity; 3]);
+pub struct Gravity(pub [Quantity; 3]);
 
 #[derive(Debug, Clone, Args)]
 pub(crate) struct MethodArgs {
@@ -550,6 +571,27 @@ fn rows(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(0) | Err(_) => Err("expected a whole number of rows, at least 1".to_owned()),
         Ok(rows) => Ok(rows),
+    }
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(0) | Err(_) => Err("expected a whole number of threads, at least 1".to_owned()),
+        Ok(threads) => Ok(threads),
+    }
+}
+
+fn weights(text: &str) -> Result<Weights, String> {
+    if text == "columns" {
+        return Ok(Weights::Columns);
+    }
+    let numbers = text.split(',').map(|word| word.trim().parse::<f64>());
+    let numbers: Vec<f64> = numbers
+        .collect::<Result<_, _>>()
+        .map_err(|_| "expected numbers such as 1,1,4 or the word columns".to_owned())?;
+    match numbers.iter().all(|w| w.is_finite() && *w >= 0.0) {
+        true => Ok(Weights::Rows(numbers)),
+        false => Err("a weight is a finite number, 0 or above".to_owned()),
     }
 }
 

@@ -12,7 +12,7 @@ mod look;
 mod output;
 mod regressor;
 mod robot;
-mod states;
+pub mod states;
 
 use std::ffi::OsString;
 use std::io::{self, Write};
@@ -20,7 +20,8 @@ use std::io::{self, Write};
 use clap::Parser;
 use roberval_tables::printable;
 
-use arguments::Cli;
+use arguments::{Cli, Command};
+pub use arguments::{Gravity, ReadingArgs, ReduceArgs, Weights};
 use error::CliError;
 pub use look::Look;
 
@@ -44,26 +45,63 @@ pub fn run(
     err: &mut dyn Write,
     look: Look,
 ) -> i32 {
-    let result = match Cli::try_parse_from(args) {
+    let result = match parsed(args, out, err) {
         Ok(cli) => commands::execute(&cli.command, out, err, look),
-        Err(error) if error.use_stderr() => {
-            // Nobody is left to tell if even this cannot be written.
-            let _ = write!(err, "{}", error.render());
-            let refused = error.get(clap::error::ContextKind::InvalidValue);
-            if refused.is_some_and(|value| value.to_string() == "sympy") {
-                say(
-                    err,
-                    "note",
-                    "base --symbolic --sympy FILE writes a module for SymPy",
-                );
-            }
-            return BAD_INPUT;
-        }
-        Err(help) => write!(out, "{}", help.render())
+        Err(result) => result,
+    };
+    ended(result, err)
+}
+
+/// What `roberval reduce`, which Python runs, was asked; or the exit code where it was asked
+/// nothing, or for help alone.
+///
+/// # Errors
+/// The exit code, when all is said.
+pub fn reduce_arguments(
+    args: impl IntoIterator<Item = OsString>,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> Result<ReduceArgs, i32> {
+    match parsed(args, out, err) {
+        Ok(Cli {
+            command: Command::Reduce(asked),
+        }) => Ok(asked),
+        Ok(_) => Err(BAD_INPUT),
+        Err(result) => Err(ended(result, err)),
+    }
+}
+
+/// The command line; or, all being said, how it ends.
+fn parsed(
+    args: impl IntoIterator<Item = OsString>,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> Result<Cli, Result<i32, CliError>> {
+    let told = match Cli::try_parse_from(args) {
+        Ok(cli) => return Ok(cli),
+        Err(told) => told,
+    };
+    if !told.use_stderr() {
+        return Err(write!(out, "{}", told.render())
             .and_then(|()| out.flush())
             .map(|()| CLEAR)
-            .map_err(CliError::Stdout),
-    };
+            .map_err(CliError::Stdout));
+    }
+    // Nobody is left to tell if even this cannot be written.
+    let _ = write!(err, "{}", told.render());
+    let refused = told.get(clap::error::ContextKind::InvalidValue);
+    if refused.is_some_and(|value| value.to_string() == "sympy") {
+        say(
+            err,
+            "note",
+            "base --symbolic --sympy FILE writes a module for SymPy",
+        );
+    }
+    Err(Ok(BAD_INPUT))
+}
+
+/// The exit code; an error is told.
+fn ended(result: Result<i32, CliError>, err: &mut dyn Write) -> i32 {
     match result {
         Ok(code) => code,
         Err(CliError::Stdout(error)) if error.kind() == io::ErrorKind::BrokenPipe => CLEAR,

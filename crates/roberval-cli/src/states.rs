@@ -1,8 +1,13 @@
-//! Joint states from files: CSV or NPZ.
+//! Joint states from files: CSV or NPZ. The rules for columns and the reader of CSV files are
+//! Python's too, where logs have torques beside the states.
 
+mod columns;
 mod csv;
 mod npy;
 mod npz;
+
+pub use columns::{Columns, Wanted, columns};
+pub use csv::{Fault, Table};
 
 use std::fs::File;
 use std::io::{self, Read, Seek};
@@ -34,12 +39,12 @@ pub(crate) struct StatesError {
 /// q, qd and qdd.
 pub(crate) const ARRAYS: [&str; 3] = ["q", "qd", "qdd"];
 
-/// The coordinates of each of them.
+/// The independent coordinates of each of them.
 pub(crate) fn width(mechanism: &Mechanism, array: usize) -> usize {
     if array == 0 {
         mechanism.positions()
     } else {
-        mechanism.dof()
+        mechanism.independent()
     }
 }
 
@@ -89,11 +94,28 @@ pub(crate) fn read(
     if magic.starts_with(b"PK") {
         npz::read(file, mechanism, model, note).map_err(refuse)
     } else {
-        csv::read(file, mechanism, model, note).map_err(|(line, what)| StatesError {
-            line,
-            ..refuse(what)
+        whole(file, mechanism, model, note).map_err(|fault| StatesError {
+            line: fault.line,
+            ..refuse(fault.what)
         })
     }
+}
+
+/// Reads a whole CSV file.
+fn whole(
+    file: File,
+    mechanism: &Mechanism,
+    model: Model,
+    note: &mut dyn FnMut(String),
+) -> Result<StateTable, Fault> {
+    let mut table = Table::open(file, mechanism, &Wanted::states(model))?;
+    if let Some(ignored) = table.columns().note() {
+        note(ignored);
+    }
+    let mut arrays: [Vec<f64>; 3] = Default::default();
+    let count = table.read(usize::MAX, &mut arrays)?;
+    let [q, qd, qdd] = arrays;
+    Ok(StateTable { q, qd, qdd, count })
 }
 
 impl StateTable {

@@ -531,3 +531,60 @@ fn samples_of_scale_are_states_of_regressor() {
     let s = |grade: &str| json[grade]["S"].as_f64().expect("a number");
     assert!(s("after") <= s("before"));
 }
+
+#[test]
+fn states_of_robots_with_couples_or_loops_are_those_of_the_independent_joints() {
+    let folder = Folder::new("independent");
+    for robot in ["hitachi_hpr", "sr400", "four_bar"] {
+        let states = folder.path("scaled.csv");
+        let scale = [
+            "scale", robot, "--target", "1e99", "--format", "csv", "-o", &states,
+        ];
+        if robot != "four_bar" {
+            let run = roberval(&scale);
+            assert_eq!(run.code, 0, "{robot}: {}", run.err);
+        } else {
+            folder.file("scaled.csv", "q_1,qd_1,qdd_1\n0.1,0.2,0.3\n");
+        }
+        let (code, out, err) = roberval_bytes(&["regressor", robot, &states, "-o", "-"]);
+        assert_eq!(code, 0, "{robot}: {err}");
+        assert!(out.starts_with(b"\x93NUMPY"), "{robot}");
+    }
+}
+
+#[test]
+fn numbers_that_are_the_names_of_other_joints_are_refused() {
+    let folder = Folder::new("numerals");
+    let titles: Vec<String> = ["q", "qd", "qdd"]
+        .iter()
+        .flat_map(|array| (1..=5).map(move |j| format!("{array}_{j}")))
+        .collect();
+    let text = format!("{}\n{}\n", titles.join(","), ["0.5"; 15].join(","));
+    let states = folder.file("s.csv", text);
+    let run = roberval(&["regressor", "hitachi_hpr", &states, "-o", "-"]);
+    assert_eq!(run.code, 2);
+    let words = "columns 2 (q_2) and 3 (q_3) both give q of joint 2";
+    assert!(run.err.contains(words), "{}", run.err);
+}
+
+#[test]
+fn lines_are_counted_as_editors_count_them() {
+    let folder = Folder::new("lines");
+    let good = "1,2,3,4,5,6";
+    for end in ["\n", "\r\n", "\r"] {
+        for (last, words) in [("1,2,x,4,5,6", ":6: column qd_1"), ("1,2", ":6: 2 values")] {
+            for tail in ["", end] {
+                let lines = ["", HEADER, good, good, "", last];
+                let text = format!("{}{tail}", lines.join(end));
+                let run = roberval(&[
+                    "regressor",
+                    "two_link",
+                    &folder.file("s.csv", text),
+                    "-o",
+                    "-",
+                ]);
+                assert!(run.err.contains(words), "{end:?} {tail:?}: {}", run.err);
+            }
+        }
+    }
+}

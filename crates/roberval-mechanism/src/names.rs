@@ -29,23 +29,41 @@ impl Mechanism {
         self.coordinates(&FORCES)
     }
 
-    /// The titles of the columns of a table of states, for q, qd and qdd: `q_1`, or by name
-    /// `q_L.x` for a floating robot, whose links may have numbers for names.
+    /// The titles of the columns of a table of states, for q, qd and qdd.
     #[must_use]
     pub fn state_titles(&self) -> [Vec<String>; 3] {
-        let names = [
-            self.position_names(),
-            self.velocity_names(),
-            self.velocity_names(),
-        ];
-        let mut array = ["q", "qd", "qdd"].into_iter();
-        names.map(|names| {
-            let array = array.next().unwrap_or_default();
-            let title = |(number, name): (usize, String)| match self.is_floating() {
-                true => format!("{array}_{name}"),
-                false => format!("{array}_{number}"),
-            };
-            (1..).zip(names).map(title).collect()
+        ["q", "qd", "qdd"].map(|array| self.column_titles(array))
+    }
+
+    /// The titles of an array's columns: `q_1`, or by name `q_L.x` for a floating robot, and
+    /// where a joint or link has the number of another joint for its name.
+    #[must_use]
+    pub fn column_titles(&self, array: &str) -> Vec<String> {
+        let by_name = self.is_floating() || self.has_misleading_names();
+        let title = |(number, name): (usize, String)| match by_name {
+            true => format!("{array}_{name}"),
+            false => format!("{array}_{number}"),
+        };
+        (1..).zip(self.column_names(array)).map(title).collect()
+    }
+
+    /// The coordinates of an array: of q, of qd and qdd, or of what has a number a row of d.
+    #[must_use]
+    pub fn column_names(&self, array: &str) -> Vec<String> {
+        match array {
+            "q" => self.position_names(),
+            "qd" | "qdd" => self.velocity_names(),
+            _ => self.row_names(),
+        }
+    }
+
+    /// Whether a joint's or a link's name is the number of another joint.
+    fn has_misleading_names(&self) -> bool {
+        let joints = self.independent_joints();
+        let numbers: Vec<String> = (1..=joints.len()).map(|j| j.to_string()).collect();
+        joints.iter().zip(&numbers).any(|(link, own)| {
+            let misleads = |name: &String| name != own && numbers.contains(name);
+            misleads(&link.name) || link.joint_name.as_ref().is_some_and(misleads)
         })
     }
 

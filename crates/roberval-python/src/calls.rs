@@ -14,9 +14,10 @@ use roberval_scalar::cancellable;
 use crate::errors::{IntoPython, raise};
 
 /// How often a long call looks at Ctrl-C.
-const SIGNALS: Duration = Duration::from_millis(50);
+pub const SIGNALS: Duration = Duration::from_millis(20);
 
-type Caught<T, E> = Result<Result<T, E>, Box<dyn Any + Send>>;
+/// The result of work whose panics were caught.
+pub type Caught<T, E> = Result<Result<T, E>, Box<dyn Any + Send>>;
 
 /// Runs `work` with the GIL released; a panic becomes an `InternalError`.
 pub fn detached<T, E>(py: Python<'_>, work: impl FnOnce() -> Result<T, E> + Send) -> PyResult<T>
@@ -82,7 +83,8 @@ impl Drop for SetOnDrop {
     }
 }
 
-fn answer<T, E: IntoPython>(py: Python<'_>, caught: Caught<T, E>) -> PyResult<T> {
+/// The result of work, or an `InternalError` for its panic.
+pub fn answer<T, E: IntoPython>(py: Python<'_>, caught: Caught<T, E>) -> PyResult<T> {
     let panic = match caught {
         Ok(result) => return result.map_err(|error| error.into_python(py)),
         Err(panic) => panic,

@@ -11,9 +11,11 @@ mod errors;
 mod options;
 mod reduce;
 mod robot;
+mod samples;
 mod scaling;
 mod states;
 mod symbols;
+mod turns;
 
 use pyo3::prelude::*;
 
@@ -25,6 +27,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<answer::Answer>()?;
     module.add_class::<answer::Comparison>()?;
     module.add_class::<reduce::Accumulator>()?;
+    module.add_class::<samples::CsvSamples>()?;
     module.add_class::<scaling::Scaling>()?;
     module.add_class::<symbols::Symbolic>()?;
     module.add_function(wrap_pyfunction!(robot::catalogue, module)?)?;
@@ -33,5 +36,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(conventions::conventions, module)?)?;
     module.add_function(wrap_pyfunction!(conventions::convert, module)?)?;
     module.add_function(wrap_pyfunction!(command::read_instead, module)?)?;
+    module.add_function(wrap_pyfunction!(command::reduce_arguments, module)?)?;
+    module.add_function(wrap_pyfunction!(samples::sample_columns, module)?)?;
     module.add_function(wrap_pyfunction!(command::run_cli, module)?)
 }

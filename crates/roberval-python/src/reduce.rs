@@ -1,9 +1,9 @@
 //! Streaming least squares.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use numpy::{
     PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
@@ -13,16 +13,23 @@ use pyo3::types::PyBytes;
 use roberval_reduce::{CheckpointError, Friction, ReduceError, Reduction, Samples, Weights};
 use roberval_regressor::States;
 
-use crate::calls::detached;
+use crate::calls::{SIGNALS, answer, detached};
 use crate::errors::{IntoPython, raise};
 use crate::robot::Robot;
+use crate::turns::{Turn, Turns};
 
-/// How often a long update looks at Ctrl-C.
-const SIGNALS: Duration = Duration::from_millis(40);
-
-/// An accumulator. Calls from several threads wait for each other.
+/// An accumulator. Threads change it in turn, each a clone that then takes its place as a
+/// whole: whoever looks meanwhile, a forked process too, sees it as it was before.
 #[pyclass(frozen, module = "roberval._core")]
-pub struct Accumulator(Mutex<Reduction>);
+pub struct Accumulator(Mutex<Shared>);
+
+/// Locked for moments and with the GIL held, so that no fork of Python's finds it locked.
+struct Shared {
+    state: Arc<Reduction>,
+    turns: Arc<Turns>,
+    /// The process in which the threads of `turns` run.
+    process: u32,
+}
 
 #[pymethods]
 impl Accumulator {
@@ -46,42 +53,48 @@ impl Accumulator {
         Ok(Self::of(new, threads))
     }
 
-    /// Columns, friction and accumulator of a checkpoint.
+    /// Accumulator and note of a checkpoint.
     #[staticmethod]
     #[pyo3(signature = (bytes, robot, threads=None))]
-    fn from_bytes(
-        py: Python<'_>,
+    fn from_bytes<'py>(
+        py: Python<'py>,
         bytes: &[u8],
         robot: &Robot,
         threads: Option<usize>,
-    ) -> PyResult<Self> {
+    ) -> PyResult<(Self, Bound<'py, PyBytes>)> {
         let regressor = robot.float_regressor().clone();
-        let read = detached(py, || Reduction::from_bytes(bytes, regressor))?;
-        Ok(Self::of(read, threads))
+        let (read, note) = detached(py, || Reduction::from_bytes(bytes, regressor))?;
+        Ok((Self::of(read, threads), PyBytes::new(py, &note)))
     }
 
-    fn to_bytes<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        let bytes = py.detach(|| self.lock().to_bytes());
+    #[pyo3(signature = (note=None))]
+    fn to_bytes<'py>(&self, py: Python<'py>, note: Option<&[u8]>) -> Bound<'py, PyBytes> {
+        let state = self.state(py);
+        let bytes = py.detach(|| state.to_bytes(note.unwrap_or_default()));
         PyBytes::new(py, &bytes)
     }
 
     fn copy(&self, py: Python<'_>) -> Self {
-        py.detach(|| Self(Mutex::new(self.lock().clone())))
+        Self::of(Reduction::clone(&self.state(py)), None)
+    }
+
+    /// A digest of the robot.
+    #[getter]
+    fn identity<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.state(py).identity())
     }
 
     /// The robot's columns and which friction there is.
     #[getter]
     fn columns(&self, py: Python<'_>) -> (Vec<usize>, [bool; 3]) {
-        py.detach(|| {
-            let inner = self.lock();
-            let (columns, f) = inner.columns();
-            (columns.to_vec(), [f.viscous, f.coulomb, f.offset])
-        })
+        let state = self.state(py);
+        let (columns, f) = state.columns();
+        (columns.to_vec(), [f.viscous, f.coulomb, f.offset])
     }
 
     #[getter]
     fn samples(&self, py: Python<'_>) -> u64 {
-        py.detach(|| self.lock().samples())
+        self.state(py).samples()
     }
 
     /// Takes samples in, all or none.
@@ -101,12 +114,9 @@ impl Accumulator {
         let nq = q.shape()[1];
         let joints = joint_weights.map(|w| w.to_vec()).transpose()?;
         let arrays = [(&q, nq), (&qd, n), (&qdd, n), (&tau, n)];
-        // More than one wave: an error in a later one undoes the earlier ones.
-        let (wave, brief) = py.detach(|| {
-            let inner = self.lock();
-            (inner.wave(), inner.brief())
-        });
-        let before = (count > wave).then(|| py.detach(|| self.lock().clone()));
+        let _turn = self.turn(py)?;
+        let mut next = Reduction::clone(&self.state(py));
+        let (wave, brief) = (next.wave(), next.brief());
         let mut copies: [Vec<f64>; 5] = Default::default();
         for first in (0..count.max(1)).step_by(wave) {
             let last = (first + wave).min(count);
@@ -129,32 +139,33 @@ impl Accumulator {
                     _ => Weights::Equal,
                 },
             };
-            let done = if last - first <= brief {
-                detached(py, || self.lock().update(&samples))
+            if last - first <= brief {
+                detached(py, || {
+                    let done = next.take_in(&samples, &AtomicBool::new(false));
+                    done.map_err(|error| error.after(first))
+                })?;
             } else {
-                self.long_update(py, &samples)
-            };
-            if let Err(error) = done.and_then(|()| py.check_signals()) {
-                if let Some(before) = before {
-                    *self.lock() = before;
-                }
-                return Err(error);
+                long_update(py, &mut next, &samples, first)?;
             }
+            py.check_signals()?;
         }
+        self.shared(py).state = Arc::new(next);
         Ok(())
     }
 
     fn merge(&self, py: Python<'_>, other: &Self) -> PyResult<()> {
-        let factor = py.detach(|| other.lock().factor());
-        detached(py, || {
-            self.lock().merge_factor(&factor);
-            Ok::<_, ReduceError>(())
-        })
+        let other = other.state(py);
+        let _turn = self.turn(py)?;
+        let mut next = Reduction::clone(&self.state(py));
+        detached(py, || next.merge(&other))?;
+        self.shared(py).state = Arc::new(next);
+        Ok(())
     }
 
     /// The (P+1) x (P+1) triangle of `[W tau]`.
     fn factor<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let factor = py.detach(|| self.lock().factor());
+        let state = self.state(py);
+        let factor = py.detach(|| state.factor());
         let size = factor.columns() + 1;
         let rows: Vec<Vec<f64>> = (0..size)
             .map(|i| (0..size).map(|j| factor.entry(i, j)).collect())
@@ -164,7 +175,8 @@ impl Accumulator {
 
     /// The coefficients, or the first column that is not determined.
     fn solve<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>, PyErr> {
-        let solved = py.detach(|| self.lock().factor().solve());
+        let state = self.state(py);
+        let solved = py.detach(|| state.factor().solve());
         match solved {
             Ok(x) => Ok(PyArray1::from_vec(py, x)),
             Err(error) => Err(raise(py, "NumericalError", &error.to_string())),
@@ -174,60 +186,97 @@ impl Accumulator {
 
 impl Accumulator {
     fn of(reduction: Reduction, threads: Option<usize>) -> Self {
-        Self(Mutex::new(match threads {
+        let state = Arc::new(match threads {
             Some(threads) => reduction.with_threads(threads),
             None => reduction,
+        });
+        Self(Mutex::new(Shared {
+            state,
+            turns: Arc::default(),
+            process: std::process::id(),
         }))
     }
 
-    fn lock(&self) -> MutexGuard<'_, Reduction> {
+    fn shared(&self, _with_the_gil: Python<'_>) -> MutexGuard<'_, Shared> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// An update on a thread of its own; Ctrl-C ends it and nothing is taken in.
-    fn long_update(&self, py: Python<'_>, samples: &Samples<'_>) -> PyResult<()> {
-        let stop = AtomicBool::new(false);
-        let mut interrupt = None;
-        let done = py.detach(|| {
-            std::thread::scope(|scope| {
-                let (sender, receiver) = channel();
-                let stop = &stop;
-                scope.spawn(move || {
-                    let result = self.lock().update_until(samples, stop);
-                    // Whoever waits is there until this has been sent.
-                    let _ = sender.send(result);
-                });
-                loop {
-                    match receiver.recv_timeout(SIGNALS) {
-                        Ok(result) => return Some(result),
-                        Err(RecvTimeoutError::Disconnected) => return None,
-                        Err(RecvTimeoutError::Timeout) => {}
-                    }
-                    if let Err(error) = Python::attach(|py| py.check_signals()) {
-                        interrupt = Some(error);
-                        stop.store(true, Ordering::Relaxed);
-                    }
-                }
-            })
-        });
-        match (interrupt, done) {
-            (Some(interrupt), _) => Err(interrupt),
-            (None, Some(result)) => result.map_err(|error| error.into_python(py)),
-            (None, None) => Err(raise(py, "InternalError", "this is a bug of roberval")),
+    fn state(&self, py: Python<'_>) -> Arc<Reduction> {
+        Arc::clone(&self.shared(py).state)
+    }
+
+    /// Waits until no other thread changes this.
+    fn turn(&self, py: Python<'_>) -> PyResult<Turn> {
+        let mut shared = self.shared(py);
+        if shared.process != std::process::id() {
+            // The parent's threads do not run here, and never end their turns.
+            shared.turns = Arc::default();
+            shared.process = std::process::id();
         }
+        let turns = Arc::clone(&shared.turns);
+        drop(shared);
+        Turn::of(turns, py)
+    }
+}
+
+/// An update on a thread of its own, which Ctrl-C ends. Rows of errors are counted from
+/// the one that is `first`.
+fn long_update(
+    py: Python<'_>,
+    next: &mut Reduction,
+    samples: &Samples<'_>,
+    first: usize,
+) -> PyResult<()> {
+    let stop = AtomicBool::new(false);
+    let mut interrupt = None;
+    let done = py.detach(|| {
+        std::thread::scope(|scope| {
+            let (sender, receiver) = channel();
+            let stop = &stop;
+            scope.spawn(move || {
+                let work = || {
+                    let done = next.take_in(samples, stop);
+                    done.map_err(|error| error.after(first))
+                };
+                // Whoever waits is there until this has been sent.
+                let _ = sender.send(catch_unwind(AssertUnwindSafe(work)));
+            });
+            loop {
+                match receiver.recv_timeout(SIGNALS) {
+                    Ok(result) => return Some(result),
+                    Err(RecvTimeoutError::Disconnected) => return None,
+                    Err(RecvTimeoutError::Timeout) => {}
+                }
+                if let Err(error) = Python::attach(|py| py.check_signals()) {
+                    interrupt = Some(error);
+                    stop.store(true, Ordering::Relaxed);
+                }
+            }
+        })
+    });
+    match (interrupt, done) {
+        (Some(interrupt), _) => Err(interrupt),
+        (None, Some(result)) => answer(py, result),
+        (None, None) => Err(raise(py, "InternalError", "this is a bug of roberval")),
     }
 }
 
 impl IntoPython for ReduceError {
+    /// `ArrayError` with the attribute `row`.
     fn into_python(self, py: Python<'_>) -> PyErr {
         let class = match self {
             Self::Length { .. } => "ShapeError",
             Self::NotFinite { .. } | Self::Weight { .. } | Self::Quaternion { .. } => "ArrayError",
-            Self::NoValue { .. } => "ArrayError",
+            Self::Overflow { .. } | Self::NoValue { .. } => "ArrayError",
+            Self::MergeOverflow => "NumericalError",
             Self::Column { .. } => "OptionError",
             Self::Stopped => return pyo3::exceptions::PyKeyboardInterrupt::new_err(()),
         };
-        raise(py, class, &self.to_string())
+        let error = raise(py, class, &self.to_string());
+        match self.row() {
+            Some(row) => error.value(py).setattr("row", row).err().unwrap_or(error),
+            None => error,
+        }
     }
 }
 

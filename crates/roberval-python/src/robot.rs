@@ -489,6 +489,11 @@ impl Robot {
         })
     }
 
+    /// The robot as understood.
+    pub fn mechanism(&self) -> &Mechanism {
+        &self.mechanism
+    }
+
     /// The regressor over floats.
     pub fn float_regressor(&self) -> &Regressor {
         &self.regressor

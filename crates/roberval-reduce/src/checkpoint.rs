@@ -1,5 +1,7 @@
 //! The accumulator as bytes: from them it goes on with the same bits.
 
+use std::sync::Arc;
+
 use roberval_regressor::Regressor;
 use sha2::{Digest, Sha256};
 
@@ -7,8 +9,14 @@ use crate::factor::Factor;
 use crate::plan::Friction;
 use crate::stream::Reduction;
 
-/// What a checkpoint begins with; the last character is the form's version.
-const MAGIC: &[u8; 8] = b"RBVLQR\x002";
+/// What a checkpoint begins with, before the form's version.
+const MAGIC: &[u8; 7] = b"RBVLQR\0";
+
+/// What checkpoints with a list of files once began with.
+const ONCE: &[u8; 7] = b"RBVLIN\0";
+
+/// The form's version.
+const VERSION: u8 = b'3';
 
 /// What finished tiles are counted in: tiles have held more samples than they once did.
 const UNIT: usize = 64;
@@ -19,9 +27,14 @@ const CHECKSUM: usize = 32;
 /// Why bytes are no checkpoint of this accumulator.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum CheckpointError {
-    /// Another file, or another version.
-    #[error("this is not a checkpoint of roberval, or of another version")]
+    /// Another file.
+    #[error("this is not a checkpoint of roberval")]
     Kind,
+    /// A checkpoint of another version.
+    #[error(
+        "this checkpoint is of another version of roberval: reduce the samples anew, or go on with that version"
+    )]
+    Version,
     /// The checksum does not fit.
     #[error("the checkpoint is damaged: its checksum does not fit")]
     Damaged,
@@ -31,11 +44,21 @@ pub enum CheckpointError {
 }
 
 impl Reduction {
-    /// Everything the accumulator knows, with a checksum.
+    /// A digest of the robot: accumulators of another cannot be merged.
     #[must_use]
-    pub fn to_bytes(&self) -> Vec<u8> {
+    pub fn identity(&self) -> Vec<u8> {
+        identity(&self.regressor)
+    }
+
+    /// Everything the accumulator knows and a note of the caller's, with a checksum over
+    /// all bytes.
+    #[must_use]
+    pub fn to_bytes(&self, note: &[u8]) -> Vec<u8> {
         let mut out = Writer(MAGIC.to_vec());
-        out.bytes(&identity(&self.regressor));
+        out.bytes(&[VERSION]);
+        out.integer(note.len() as u64);
+        out.bytes(note);
+        out.bytes(&self.identity());
         let Friction {
             viscous,
             coulomb,
@@ -43,7 +66,7 @@ impl Reduction {
         } = self.friction;
         out.bytes(&[viscous, coulomb, offset].map(u8::from));
         out.integer(self.choice.len() as u64);
-        for &column in &self.choice {
+        for &column in &*self.choice {
             out.integer(column as u64);
         }
         out.integer(self.samples);
@@ -68,21 +91,18 @@ impl Reduction {
         out.0
     }
 
-    /// The accumulator from [`Reduction::to_bytes`], for the same robot.
+    /// The accumulator and the note from [`Reduction::to_bytes`], for the same robot.
     ///
     /// # Errors
     /// [`CheckpointError`] if the bytes are damaged or of something else.
-    pub fn from_bytes(bytes: &[u8], regressor: Regressor) -> Result<Self, CheckpointError> {
-        let body = bytes.strip_prefix(MAGIC).ok_or(CheckpointError::Kind)?;
-        let size = body
-            .len()
-            .checked_sub(CHECKSUM)
-            .ok_or(CheckpointError::Damaged)?;
-        let (signed, checksum) = bytes.split_at(bytes.len() - CHECKSUM);
-        if Sha256::digest(signed).as_slice() != checksum {
-            return Err(CheckpointError::Damaged);
-        }
-        let mut body = Reader(&body[..size]);
+    pub fn from_bytes(
+        bytes: &[u8],
+        regressor: Regressor,
+    ) -> Result<(Self, Vec<u8>), CheckpointError> {
+        let mut body = unsealed(bytes)?;
+        let size = body.integer()?;
+        let size = usize::try_from(size).map_err(|_| CheckpointError::Damaged)?;
+        let note = body.take(size)?.to_vec();
         if body.take(CHECKSUM)? != identity(&regressor) {
             return Err(CheckpointError::Model);
         }
@@ -99,9 +119,9 @@ impl Reduction {
             Self::new(regressor, &columns, friction).map_err(|_| CheckpointError::Model)?;
         new.samples = body.integer()?;
         new.tiles = body.integer()? as usize * UNIT / new.plan.samples();
-        new.block = body.numbers()?;
+        new.block = Arc::new(body.numbers()?);
         new.levels = (0..body.integer()?)
-            .map(|_| body.numbers())
+            .map(|_| body.numbers().map(Arc::new))
             .collect::<Result<_, _>>()?;
         for rest in &mut new.rest {
             *rest = body.numbers()?;
@@ -109,9 +129,9 @@ impl Reduction {
         let merged = body.integer()?;
         if merged > 0 {
             let factor = Factor::from_parts(new.plan.columns, body.numbers()?, merged);
-            new.merged = Some(factor.ok_or(CheckpointError::Damaged)?);
+            new.merged = Some(Arc::new(factor.ok_or(CheckpointError::Damaged)?));
         }
-        let fits = |r: &Vec<f64>| r.is_empty() || r.len() == new.plan.factor();
+        let fits = |r: &Arc<Vec<f64>>| r.is_empty() || r.len() == new.plan.factor();
         let [positions, n] = new.plan.widths;
         let held = new.rest[3].len() / n;
         let of_rest = |(rest, width): (&Vec<f64>, usize)| rest.len() == held * width;
@@ -122,11 +142,34 @@ impl Reduction {
             && new.block.len() == new.plan.factor()
             && new.levels.iter().all(fits);
         if whole && body.0.is_empty() {
-            Ok(new)
+            Ok((new, note))
         } else {
             Err(CheckpointError::Damaged)
         }
     }
+}
+
+/// What stands between a checkpoint's first bytes and its checksum, which fits.
+fn unsealed(bytes: &[u8]) -> Result<Reader<'_>, CheckpointError> {
+    let Some(body) = bytes.strip_prefix(MAGIC) else {
+        return Err(match bytes.starts_with(ONCE) {
+            true => CheckpointError::Version,
+            false => CheckpointError::Kind,
+        });
+    };
+    let (version, body) = body.split_first().ok_or(CheckpointError::Damaged)?;
+    if *version != VERSION {
+        return Err(CheckpointError::Version);
+    }
+    let size = body
+        .len()
+        .checked_sub(CHECKSUM)
+        .ok_or(CheckpointError::Damaged)?;
+    let (signed, checksum) = bytes.split_at(bytes.len() - CHECKSUM);
+    if Sha256::digest(signed).as_slice() != checksum {
+        return Err(CheckpointError::Damaged);
+    }
+    Ok(Reader(&body[..size]))
 }
 
 /// A digest of the robot: its geometry as the recursion knows it, and its columns.

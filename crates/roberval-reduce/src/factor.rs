@@ -26,10 +26,14 @@ pub struct Factor {
 /// The columns of W do not determine all coefficients.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Unsolvable {
+    /// A column has only zeros.
+    #[error("column {column} is zero in all these data")]
+    Zero {
+        /// The first such column, from 0.
+        column: usize,
+    },
     /// The data do not tell a column from those before it.
-    #[error(
-        "column {column} depends on the columns before it in these data: reduce base columns, or give data that move more"
-    )]
+    #[error("column {column} depends on the columns before it in these data")]
     Undetermined {
         /// The first such column, from 0.
         column: usize,
@@ -139,7 +143,7 @@ impl Factor {
     /// The coefficients x that make the norm of tau - W x smallest: P numbers.
     ///
     /// # Errors
-    /// [`Unsolvable`] names the first column that depends on those before it, or that
+    /// [`Unsolvable`] names the first column that is zero, depends on those before it or
     /// overflowed.
     pub fn solve(&self) -> Result<Vec<f64>, Unsolvable> {
         let p = self.columns;
@@ -150,6 +154,9 @@ impl Factor {
         for column in 0..p {
             let squares = (0..=column).map(|i| self.entry(i, column).powi(2));
             let norm = squares.sum::<f64>().sqrt();
+            if norm == 0.0 {
+                return Err(Unsolvable::Zero { column });
+            }
             if self.entry(column, column) <= UNDETERMINED * f64::EPSILON * norm {
                 return Err(Unsolvable::Undetermined { column });
             }

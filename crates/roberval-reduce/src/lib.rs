@@ -9,10 +9,13 @@ mod checkpoint;
 mod factor;
 mod layout;
 mod plan;
+mod range;
+mod samples;
 mod stream;
 mod tiles;
 
 pub use checkpoint::CheckpointError;
 pub use factor::{Factor, Unsolvable};
 pub use plan::Friction;
-pub use stream::{ReduceError, Reduction, Samples, Weights};
+pub use samples::{Place, ReduceError, Samples, Weights};
+pub use stream::Reduction;

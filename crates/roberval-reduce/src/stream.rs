@@ -2,106 +2,16 @@
 
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use roberval_regressor::{Expanded, NoValue, Regressor, RegressorError, States};
+use roberval_regressor::{Regressor, States};
 use roberval_scalar::dispatch;
 
 use crate::factor::Factor;
 use crate::plan::{Friction, Plan};
+use crate::range::{beyond, suspicious};
+use crate::samples::{ReduceError, Samples};
 use crate::tiles::{Absorb, Control, Measured, Merge};
-
-/// Samples: joint states, torques and what each row counts. All row-major, N x n.
-#[derive(Debug, Clone, Copy)]
-pub struct Samples<'a> {
-    /// q, qd, qdd.
-    pub states: States<'a>,
-    /// Joint torques, N m (N for prismatic joints).
-    pub tau: &'a [f64],
-    /// Each row's weight: a row and its torque are multiplied by the weight's square root.
-    pub weights: Weights<'a>,
-}
-
-/// How much rows count.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Weights<'a> {
-    /// All the same.
-    Equal,
-    /// One weight a joint: n numbers.
-    Joints(&'a [f64]),
-    /// One weight a row: N x n numbers.
-    Rows(&'a [f64]),
-}
-
-/// What is wrong with samples.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ReduceError {
-    /// An array has the wrong number of entries.
-    #[error(
-        "{array} has {found} entries, expected {expected} ({samples} samples x {joints} coordinates)"
-    )]
-    Length {
-        /// Which array.
-        array: &'static str,
-        /// Entries expected.
-        expected: usize,
-        /// Entries found.
-        found: usize,
-        /// Samples N, from the length of q.
-        samples: usize,
-        /// Coordinates of a sample.
-        joints: usize,
-    },
-    /// An entry is NaN or infinite.
-    #[error("{array}[{sample}, {joint}] is {value}: samples must be finite numbers")]
-    NotFinite {
-        /// Which array.
-        array: &'static str,
-        /// Row, from 0, counted from the first sample of this accumulator.
-        sample: u64,
-        /// Column, from 0.
-        joint: usize,
-        /// What was found.
-        value: f64,
-    },
-    /// A weight is negative.
-    #[error("weights[{place}] is {value}: a weight cannot be negative")]
-    Weight {
-        /// Joint, or sample and joint, from 0.
-        place: String,
-        /// What was found.
-        value: f64,
-    },
-    /// The attitude of a floating base is none.
-    #[error(
-        "q[{sample}, 3:7] has length {length}: the attitude of a floating base must be a quaternion (x, y, z, w) of length 1"
-    )]
-    Quaternion {
-        /// Row, from 0, counted from the first sample of this accumulator.
-        sample: u64,
-        /// Its length.
-        length: f64,
-    },
-    /// The constraints have no value at a state.
-    #[error("sample {sample}: {error}")]
-    NoValue {
-        /// Row, from 0, counted from the first sample of this accumulator.
-        sample: u64,
-        /// What has no value.
-        error: NoValue,
-    },
-    /// The caller stopped it.
-    #[error("stopped: no sample was taken in")]
-    Stopped,
-    /// A column was asked for that is not there, or twice.
-    #[error("column {column} of {count} is asked for twice or not there")]
-    Column {
-        /// The column.
-        column: usize,
-        /// How many the robot has.
-        count: usize,
-    },
-}
 
 /// Least squares in one pass: blocks of samples are annihilated against triangular factors
 /// (TSQR), so that memory is O(P^2) and the result backward stable.
@@ -109,23 +19,25 @@ pub enum ReduceError {
 /// The result depends on the samples and their order alone, bit by bit, not on how they
 /// are cut into calls, nor on the number of threads, nor on how many lanes the processor
 /// has (as long as it fuses products and sums).
+///
+/// A clone shares what it does not change: it costs next to nothing.
 #[derive(Debug, Clone)]
 pub struct Reduction {
-    pub(crate) regressor: Regressor,
-    pub(crate) plan: Plan,
-    pub(crate) choice: Vec<usize>,
+    pub(crate) regressor: Arc<Regressor>,
+    pub(crate) plan: Arc<Plan>,
+    pub(crate) choice: Arc<[usize]>,
     pub(crate) friction: Friction,
     pub(crate) threads: usize,
     /// The leaves' factors of 2^k blocks at place k (empty where there are none).
-    pub(crate) levels: Vec<Vec<f64>>,
+    pub(crate) levels: Vec<Arc<Vec<f64>>>,
     /// The leaves' factors of the unfinished block, and how many tiles it has.
-    pub(crate) block: Vec<f64>,
+    pub(crate) block: Arc<Vec<f64>>,
     pub(crate) tiles: usize,
     /// Samples of the unfinished tile: q, qd, qdd, tau and the roots of weights.
     pub(crate) rest: [Vec<f64>; 5],
     pub(crate) samples: u64,
     /// What was merged from other accumulators.
-    pub(crate) merged: Option<Factor>,
+    pub(crate) merged: Option<Arc<Factor>>,
 }
 
 /// Blocks that wait for being merged, for each thread.
@@ -151,10 +63,10 @@ impl Reduction {
         }
         let plan = Plan::new(&regressor, columns, friction);
         Ok(Self {
-            block: vec![0.0; plan.factor()],
-            regressor,
-            plan,
-            choice: columns.to_vec(),
+            block: Arc::new(vec![0.0; plan.factor()]),
+            regressor: Arc::new(regressor),
+            plan: Arc::new(plan),
+            choice: columns.into(),
             friction,
             threads: std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
             levels: Vec::new(),
@@ -211,46 +123,30 @@ impl Reduction {
     /// Samples taken in.
     #[must_use]
     pub fn samples(&self) -> u64 {
-        self.samples + self.merged.as_ref().map_or(0, Factor::samples)
+        self.samples + self.merged.as_ref().map_or(0, |factor| factor.samples())
     }
 
     /// Takes in samples, all or, after an error, none.
     ///
     /// # Errors
-    /// [`ReduceError`] names what is not a finite number or has the wrong length.
+    /// [`ReduceError`] names what is not a finite number, has the wrong length or is so large
+    /// that R would not be finite.
     pub fn update(&mut self, samples: &Samples<'_>) -> Result<(), ReduceError> {
-        if self.regressor.expansion().is_some() {
-            // A state at which loops cannot be closed shows only on the way.
-            return self.update_until(samples, &AtomicBool::new(false));
-        }
-        self.take_in(samples, &AtomicBool::new(false))
+        let mut next = self.clone();
+        next.take_in(samples, &AtomicBool::new(false))?;
+        *self = next;
+        Ok(())
     }
 
-    /// As [`Reduction::update`], but gives up soon after `stop` is set: nothing is taken in
-    /// then.
+    /// As [`Reduction::update`] for a clone, which is of no use after an error: it may have
+    /// taken in some of the samples. Gives up soon after `stop` is set.
     ///
     /// # Errors
     /// [`ReduceError::Stopped`], and those of [`Reduction::update`].
-    pub fn update_until(
-        &mut self,
-        samples: &Samples<'_>,
-        stop: &AtomicBool,
-    ) -> Result<(), ReduceError> {
-        let before = self.clone();
-        let mut done = self.take_in(samples, stop);
-        if done.is_ok() && stop.load(Ordering::Relaxed) {
-            done = Err(ReduceError::Stopped);
-        }
-        if done.is_err() {
-            *self = before;
-        }
-        done
-    }
-
-    fn take_in(&mut self, samples: &Samples<'_>, stop: &AtomicBool) -> Result<(), ReduceError> {
+    pub fn take_in(&mut self, samples: &Samples<'_>, stop: &AtomicBool) -> Result<(), ReduceError> {
         let (n, widths) = (self.dof(), self.plan.widths);
-        let count = self.check(samples)?;
-        let weights = roots(&samples.weights, count);
+        let count = samples.check(&self.regressor, widths)?;
+        let weights = samples.weights.roots(count);
         let weighted = !weights.is_empty() || !self.rest[4].is_empty();
         let control = Control::new(stop);
         let all = Measured {
@@ -275,25 +171,30 @@ impl Reduction {
         self.hold(&all.part(done + whole, count, widths), !weights.is_empty());
         self.samples += count as u64;
         self.try_rest(&control);
+        if stop.load(Ordering::Relaxed) {
+            return Err(ReduceError::Stopped);
+        }
+        let beyond = control.beyond.into_inner();
         let fault = control.fault.into_inner();
         match fault.unwrap_or_else(PoisonError::into_inner) {
-            Some((sample, error)) => Err(ReduceError::NoValue { sample, error }),
+            // What is held had a value when it came.
+            Some((sample, error)) => Err(ReduceError::NoValue {
+                sample: sample.saturating_sub(all.start),
+                error,
+            }),
+            None if beyond => Err(self.overflow(samples, stop)),
             None => Ok(()),
         }
     }
 
-    /// Finds out whether the constraints have a value at the samples held.
+    /// Finds out whether the constraints have a value at the samples held, and whether R
+    /// will be finite with them.
     fn try_rest(&self, control: &Control<'_>) {
-        let held = self.rest[3].len() / self.dof();
-        let Some(expansion) = self.regressor.expansion().filter(|_| held > 0) else {
-            return;
-        };
-        let start = self.samples() - held as u64;
-        let states = measured(&self.rest, start).states;
-        let tree = self.regressor.tree();
-        let tried = Expanded::default().fill(tree, expansion, states, 0..held, false);
-        if let Err((sample, error)) = tried {
-            control.report(start + sample as u64, error);
+        let expands = self.regressor.expansion().is_some();
+        if !self.rest[3].is_empty() && (expands || self.rest.iter().any(|x| suspicious(x))) {
+            let mut r = vec![0.0; self.plan.factor()];
+            self.reduce_rest(&mut r, control);
+            control.watch(&r);
         }
     }
 
@@ -332,8 +233,13 @@ impl Reduction {
         while done + block <= tiles {
             let wave = ((tiles - done) / block).min(WAITING * self.threads);
             let piece = |k: usize| part(done + k * block, done + (k + 1) * block);
-            for r in self.blocks(wave, piece, control) {
-                self.push(r);
+            let factors = self.blocks(wave, piece, control);
+            if control.ends() {
+                // Nobody wants the result; merging takes longer than Ctrl-C may.
+                return;
+            }
+            for r in factors {
+                self.push(r, control);
             }
             done += wave * block;
         }
@@ -347,15 +253,16 @@ impl Reduction {
         if tiles == 0 {
             return;
         }
-        let mut block = std::mem::take(&mut self.block);
+        let mut block = Arc::unwrap_or_clone(std::mem::take(&mut self.block));
         self.reduce(samples, &mut block, control);
-        self.block = block;
         self.tiles += tiles;
         if self.tiles == self.plan.block() {
-            let r = std::mem::replace(&mut self.block, vec![0.0; self.plan.factor()]);
             self.tiles = 0;
-            self.push(r);
+            self.push(block, control);
+            block = vec![0.0; self.plan.factor()];
         }
+        control.watch(&block);
+        self.block = Arc::new(block);
     }
 
     fn reduce(&self, samples: &Measured<'_>, r: &mut [f64], control: &Control<'_>) {
@@ -399,18 +306,19 @@ impl Reduction {
     }
 
     /// A binary counter: two factors of 2^k blocks make one of 2^(k+1).
-    fn push(&mut self, mut r: Vec<f64>) {
+    fn push(&mut self, mut r: Vec<f64>, control: &Control<'_>) {
         let mut level = 0;
         loop {
             if level == self.levels.len() {
-                self.levels.push(Vec::new());
+                self.levels.push(Arc::default());
             }
             let earlier = std::mem::take(&mut self.levels[level]);
             if earlier.is_empty() {
-                self.levels[level] = r;
+                control.watch(&r);
+                self.levels[level] = Arc::new(r);
                 return;
             }
-            r = self.merged_lanes(earlier, &r);
+            r = self.merged_lanes(Arc::unwrap_or_clone(earlier), &r);
             level += 1;
         }
     }
@@ -430,7 +338,7 @@ impl Reduction {
     pub fn factor(&self) -> Factor {
         let own = self.own_factor();
         match (&self.merged, self.samples) {
-            (Some(merged), 0) => merged.clone(),
+            (Some(merged), 0) => Factor::clone(merged),
             (Some(merged), _) => merged.merge(&own),
             (None, _) => own,
         }
@@ -440,121 +348,66 @@ impl Reduction {
         if self.samples == 0 {
             return Factor::empty(self.plan.columns);
         }
-        let mut r = self.block.clone();
+        let mut r = Vec::clone(&self.block);
         if !self.rest[3].is_empty() {
-            // The tile is filled up with the last sample, which then counts nothing.
-            let n = self.dof();
-            let held = self.rest[3].len() / n;
-            let mut rest = self.rest.clone();
-            rest[4].resize(held * n, 1.0);
-            for array in &mut rest[..4] {
-                let last = array[array.len() - array.len() / held..].to_vec();
-                array.extend(last.repeat(self.plan.samples() - held));
-            }
-            rest[4].resize(rest[3].len(), 0.0);
             let go_on = AtomicBool::new(false);
-            self.reduce(&measured(&rest, 0), &mut r, &Control::new(&go_on));
+            self.reduce_rest(&mut r, &Control::new(&go_on));
         }
         for level in self.levels.iter().filter(|level| !level.is_empty()) {
-            r = self.merged_lanes(level.clone(), &r);
+            r = self.merged_lanes(Vec::clone(level), &r);
         }
         Factor::of_lanes(&self.plan, &r, self.samples)
+    }
+
+    /// The unfinished tile, filled up with the last sample, which then counts nothing.
+    fn reduce_rest(&self, r: &mut [f64], control: &Control<'_>) {
+        let n = self.dof();
+        let held = self.rest[3].len() / n;
+        let mut rest = self.rest.clone();
+        rest[4].resize(held * n, 1.0);
+        for array in &mut rest[..4] {
+            let last = array[array.len() - array.len() / held..].to_vec();
+            array.extend(last.repeat(self.plan.samples() - held));
+        }
+        rest[4].resize(rest[3].len(), 0.0);
+        let start = self.samples() - held as u64;
+        self.reduce(&measured(&rest, start), r, control);
     }
 
     /// Takes in what another accumulator for the same columns has taken in, after the
     /// samples here.
     ///
+    /// # Errors
+    /// [`ReduceError::MergeOverflow`]; nothing is taken in then.
+    ///
     /// # Panics
     /// If the other has not as many columns.
-    pub fn merge(&mut self, other: &Self) {
-        self.merge_factor(&other.factor());
+    pub fn merge(&mut self, other: &Self) -> Result<(), ReduceError> {
+        self.merge_factor(&other.factor())
     }
 
     /// Takes in a factor of the same columns.
     ///
+    /// # Errors
+    /// [`ReduceError::MergeOverflow`]; nothing is taken in then.
+    ///
     /// # Panics
     /// If it has not as many columns.
-    pub fn merge_factor(&mut self, other: &Factor) {
+    pub fn merge_factor(&mut self, other: &Factor) -> Result<(), ReduceError> {
         let merged = match self.samples() {
             0 => other.clone(),
             _ => self.factor().merge(other),
         };
+        if beyond(merged.packed()) {
+            return Err(ReduceError::MergeOverflow);
+        }
         self.levels.clear();
-        self.block.fill(0.0);
+        self.block = Arc::new(vec![0.0; self.plan.factor()]);
         self.tiles = 0;
         self.rest = Default::default();
         self.samples = 0;
-        self.merged = Some(merged);
-    }
-
-    /// The number of samples, all arrays being of its length and finite.
-    fn check(&self, samples: &Samples<'_>) -> Result<usize, ReduceError> {
-        let [positions, joints] = self.plan.widths;
-        let count = samples.states.q.len() / positions;
-        let weights = match samples.weights {
-            Weights::Equal => None,
-            Weights::Joints(w) => Some((w, joints)),
-            Weights::Rows(w) => Some((w, count * joints)),
-        };
-        let states = samples.states;
-        let arrays = [
-            ("q", states.q, positions),
-            ("qd", states.qd, joints),
-            ("qdd", states.qdd, joints),
-            ("tau", samples.tau, joints),
-        ];
-        let arrays = arrays.map(|(array, values, width)| (array, values, count * width, width));
-        let weights = weights.map(|(values, expected)| ("weights", values, expected, joints));
-        for (array, values, expected, width) in arrays.into_iter().chain(weights) {
-            let found = values.len();
-            if found != expected {
-                return Err(ReduceError::Length {
-                    array,
-                    expected,
-                    found,
-                    samples: count,
-                    joints: width,
-                });
-            }
-            if let Some(at) = not_finite(values) {
-                return Err(ReduceError::NotFinite {
-                    array,
-                    sample: self.samples() + (at / width) as u64,
-                    joint: at % width,
-                    value: values[at],
-                });
-            }
-        }
-        if let Some((_, values, ..)) = weights
-            && let Some(at) = values.iter().position(|w| *w < 0.0)
-        {
-            let sample = self.samples() + (at / joints) as u64;
-            let place = match samples.weights {
-                Weights::Rows(_) => format!("{sample}, {}", at % joints),
-                _ => at.to_string(),
-            };
-            let value = values[at];
-            return Err(ReduceError::Weight { place, value });
-        }
-        match self.regressor.check_attitudes(samples.states) {
-            Err(RegressorError::Quaternion { sample, length }) => Err(ReduceError::Quaternion {
-                sample: self.samples() + sample as u64,
-                length,
-            }),
-            _ => Ok(count),
-        }
-    }
-}
-
-/// The square roots of the weights, row by row; nothing where all are equal.
-fn roots(weights: &Weights<'_>, count: usize) -> Vec<f64> {
-    match weights {
-        Weights::Equal => Vec::new(),
-        Weights::Rows(w) => w.iter().map(|w| w.sqrt()).collect(),
-        Weights::Joints(w) => {
-            let row: Vec<f64> = w.iter().map(|w| w.sqrt()).collect();
-            row.repeat(count)
-        }
+        self.merged = Some(Arc::new(merged));
+        Ok(())
     }
 }
 
@@ -566,25 +419,4 @@ fn measured(arrays: &[Vec<f64>; 5], start: u64) -> Measured<'_> {
         weights,
         start,
     }
-}
-
-/// The first number that is not finite. Whole pieces are judged by one sum: zero times
-/// anything but a finite number is NaN.
-fn not_finite(values: &[f64]) -> Option<usize> {
-    const PIECE: usize = 1024;
-    for (piece, numbers) in values.chunks(PIECE).enumerate() {
-        let mut sums = [0.0; 8];
-        let mut whole = numbers.chunks_exact(8);
-        for eight in whole.by_ref() {
-            for (sum, x) in sums.iter_mut().zip(eight) {
-                *sum += x * 0.0;
-            }
-        }
-        let rest: f64 = whole.remainder().iter().map(|x| x * 0.0).sum();
-        if sums.iter().sum::<f64>() + rest != 0.0 {
-            let at = numbers.iter().position(|x| !x.is_finite());
-            return at.map(|at| piece * PIECE + at);
-        }
-    }
-    None
 }

@@ -8,6 +8,7 @@ use roberval_scalar::{Lanes, MAX_LANES, Task};
 
 use crate::annihilate::annihilate;
 use crate::plan::{LEAVES, Plan};
+use crate::range::beyond;
 
 /// Samples with what was measured and how much it counts.
 #[derive(Debug, Clone, Copy)]
@@ -51,6 +52,8 @@ pub(crate) struct Control<'a> {
     pub stop: &'a AtomicBool,
     /// The constraints have no value at this sample, the first one found.
     pub fault: Mutex<Option<(u64, NoValue)>>,
+    /// Squares in factors overflow.
+    pub beyond: AtomicBool,
     faulty: AtomicBool,
 }
 
@@ -59,12 +62,18 @@ impl<'a> Control<'a> {
         Self {
             stop,
             fault: Mutex::default(),
+            beyond: AtomicBool::new(false),
             faulty: AtomicBool::new(false),
         }
     }
 
-    fn ends(&self) -> bool {
+    pub(crate) fn ends(&self) -> bool {
         self.stop.load(Ordering::Relaxed) || self.faulty.load(Ordering::Relaxed)
+    }
+
+    /// Looks at a factor's numbers.
+    pub(crate) fn watch(&self, factor: &[f64]) {
+        self.beyond.fetch_or(beyond(factor), Ordering::Relaxed);
     }
 
     pub(crate) fn report(&self, sample: u64, error: NoValue) {

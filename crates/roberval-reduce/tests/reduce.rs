@@ -293,7 +293,7 @@ fn every_processor_gets_the_same_bits() {
         let regressor = regressor.clone().with_width(width);
         let mut reduction = Reduction::new(regressor, &columns, ALL).expect("valid");
         reduction.update(&data.part(0, 3000, true)).expect("finite");
-        reduction.to_bytes()
+        reduction.to_bytes(b"")
     };
     let mut fused = widths().filter(|width| *width > Width::Plain).map(factor);
     if let Some(first) = fused.next() {
@@ -530,7 +530,7 @@ fn factors_of_parts_merge_into_that_of_the_whole() {
     all.update(&data.part(0, 400, false)).expect("finite");
     first.update(&data.part(0, 150, false)).expect("finite");
     second.update(&data.part(150, 300, false)).expect("finite");
-    first.merge(&second);
+    first.merge(&second).expect("finite");
     first.update(&data.part(300, 400, false)).expect("finite");
     let (whole, parts) = (all.factor(), first.factor());
     assert_eq!(whole.samples(), parts.samples());
@@ -539,7 +539,7 @@ fn factors_of_parts_merge_into_that_of_the_whole() {
         assert!((a - b).abs() <= ACCURACY * size, "{a} and {b}");
     }
     let mut empty = new();
-    empty.merge(&second);
+    empty.merge(&second).expect("finite");
     assert!(empty.factor() == second.factor());
 }
 
@@ -553,9 +553,10 @@ fn a_checkpoint_goes_on_with_the_same_bits_and_no_damage_passes() {
     reduction
         .update(&data.part(0, 40_007, false))
         .expect("finite");
-    let bytes = reduction.to_bytes();
+    let bytes = reduction.to_bytes(b"a note of the caller's");
     let load = |bytes: &[u8]| Reduction::from_bytes(bytes, regressor.clone());
-    let mut resumed = load(&bytes).expect("undamaged");
+    let (mut resumed, note) = load(&bytes).expect("undamaged");
+    assert_eq!(note, b"a note of the caller's");
     for accumulator in [&mut reduction, &mut resumed] {
         accumulator
             .update(&data.part(40_007, 70_000, false))
@@ -565,10 +566,14 @@ fn a_checkpoint_goes_on_with_the_same_bits_and_no_damage_passes() {
     let another = Regressor::new(&self::robot(4, (2, 3)));
     let refused = Reduction::from_bytes(&bytes, another).map(|_| ());
     assert_eq!(refused, Err(CheckpointError::Model));
+    for old in [b"RBVLQR\x002", b"RBVLIN\x001"] {
+        let read = load(&[old.as_slice(), &bytes[8..]].concat()).map(|_| ());
+        assert_eq!(read, Err(CheckpointError::Version));
+    }
     let mut random = SplitMix64::new(7);
     for trial in 0..300 {
         let mut damaged = bytes.clone();
-        let at = if trial < 64 {
+        let at = if trial < 128 {
             trial
         } else {
             random.below(bytes.len())
@@ -594,36 +599,112 @@ fn what_is_not_finite_is_named_and_nothing_is_taken_in() {
         let mut bad = Data::random(n, 100, 2);
         bad.tau[57 * n + 1] = value;
         match reduction.update(&bad.part(0, 100, false)) {
-            Err(ReduceError::NotFinite {
-                array: "tau",
-                sample: 157,
-                joint: 1,
-                ..
-            }) => {}
+            // The row of the array given, however many came before.
+            Err(ReduceError::NotFinite { place, .. }) => {
+                assert_eq!(place.to_string(), "tau[57, 1]");
+            }
             other => panic!("{other:?}"),
         }
     }
     let mut bad = Data::random(n, 100, 2);
     bad.weights[3 * n + 1] = -1.0;
-    let place = format!("{}, 1", reduction.samples() + 3);
     match reduction.update(&bad.part(0, 100, true)) {
-        Err(ReduceError::Weight { place: found, .. }) => assert_eq!(found, place),
+        Err(ReduceError::Weight { place, .. }) => assert_eq!(place.to_string(), "weights[3, 1]"),
+        other => panic!("{other:?}"),
+    }
+    let mut samples = bad.part(0, 100, false);
+    let weights = [1.0, 1.0, f64::NAN];
+    samples.weights = Weights::Joints(&weights);
+    match reduction.update(&samples) {
+        Err(error @ ReduceError::NotFinite { .. }) => {
+            assert!(error.to_string().starts_with("weights[2] is NaN"));
+        }
         other => panic!("{other:?}"),
     }
     assert!(reduction.factor() == before);
 }
 
 #[test]
-fn squares_beyond_floats_are_no_answer_but_an_error() {
+fn a_sample_whose_squares_overflow_is_named_and_nothing_is_taken_in() {
+    let regressor = Regressor::new(&robot(3, (3, 3)));
+    let n = regressor.independent();
+    let columns = choice(&regressor, 1);
+    // In a tile of its own, within a tile that fills later, and in a finished block.
+    for (before, count, at) in [
+        (0, 1, 0),
+        (1000, 1, 0),
+        (100, 700, 555),
+        (0, 70_000, 69_999),
+    ] {
+        let mut reduction = Reduction::new(regressor.clone(), &columns, NONE).expect("valid");
+        reduction
+            .update(&Data::random(n, before, 1).part(0, before, false))
+            .expect("finite");
+        let kept = reduction.to_bytes(b"");
+        let refused = |reduction: &mut Reduction, bad: &Data, place: &str| {
+            let error = reduction.update(&bad.part(0, count, false));
+            let error = error.expect_err("beyond floats");
+            assert!(error.to_string().starts_with(place), "{error}");
+            assert_eq!(error.row(), Some(at as u64));
+            assert!(reduction.to_bytes(b"") == kept);
+        };
+        let mut bad = Data::random(n, count, 2);
+        bad.tau[at * n + 1] = 1e160;
+        refused(&mut reduction, &bad, &format!("tau[{at}, 1] is 1e160"));
+        bad = Data::random(n, count, 2);
+        bad.qd[at * n] = 1e120;
+        refused(&mut reduction, &bad, &format!("qd[{at}, 0] is 1e120"));
+        let good = Data::random(n, count, 2);
+        reduction
+            .update(&good.part(0, count, false))
+            .expect("finite");
+        let factor = reduction.factor();
+        assert!(factor.packed().iter().all(|x| x.is_finite()));
+    }
+}
+
+#[test]
+fn factors_whose_squares_overflow_together_are_not_merged() {
     let regressor = Regressor::new(&robot(3, (3, 3)));
     let columns = choice(&regressor, 1);
-    let end = columns.len();
     let mut data = Data::random(regressor.independent(), 100, 2);
-    let mut reduction = Reduction::new(regressor, &columns, NONE).expect("valid");
-    data.tau.iter_mut().for_each(|x| *x *= 1e160);
-    reduction.update(&data.part(0, 100, false)).expect("finite");
+    let new = || Reduction::new(regressor.clone(), &columns, NONE).expect("valid");
+    let (mut first, mut second) = (new(), new());
+    let largest = data.tau.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let norm = data.tau.iter().map(|x| x * x).sum::<f64>().sqrt();
+    assert!(largest < norm);
+    // Just within the range, and so not twice.
+    data.tau.iter_mut().for_each(|x| *x *= 0.99e150 / norm);
+    for reduction in [&mut first, &mut second] {
+        reduction.update(&data.part(0, 100, false)).expect("finite");
+    }
+    let kept = first.to_bytes(b"");
+    let before = first.factor();
+    let merged = before.merge(&second.factor());
+    assert!(merged.packed().iter().all(|x| x.is_finite()));
+    assert_eq!(first.merge(&second), Err(ReduceError::MergeOverflow));
+    assert!(first.to_bytes(b"") == kept);
+}
+
+#[test]
+fn columns_of_zeros_are_told_from_dependent_ones() {
+    let regressor = Regressor::new(&robot(3, (3, 3)));
+    let mut data = Data::random(regressor.independent(), 500, 2);
+    let columns = independent(&regressor, &data);
+    let solved = |data: &Data, columns: &[usize], friction| {
+        let mut reduction = Reduction::new(regressor.clone(), columns, friction).expect("valid");
+        reduction.update(&data.part(0, 500, false)).expect("finite");
+        reduction.factor().solve()
+    };
+    // At one speed, its sign is a multiple of it.
+    data.qd.iter_mut().for_each(|x| *x = 2.0);
+    let column = regressor.independent();
+    let dependent = solved(&data, &[], SPEEDS);
+    assert_eq!(dependent, Err(Unsolvable::Undetermined { column }));
+    data.qd.iter_mut().for_each(|x| *x = 0.0);
     assert_eq!(
-        reduction.factor().solve(),
-        Err(Unsolvable::Overflow { column: end })
+        solved(&data, &[], SPEEDS),
+        Err(Unsolvable::Zero { column: 0 })
     );
+    assert!(solved(&data, &columns[..1], NONE).is_ok());
 }

@@ -1,188 +1,126 @@
-//! States from CSV: columns `q_1`, `qd_elbow`, ... in any order.
+//! Tables from CSV, some rows at a time: columns `q_1`, `qd_elbow`, ... in any order.
 
-use std::collections::HashMap;
 use std::io::{self, Read};
 
-use csv::{ErrorKind, ReaderBuilder, StringRecord, Trim};
-use roberval_base::Model;
+use csv::{ErrorKind, Reader, ReaderBuilder, StringRecord, Trim};
 use roberval_mechanism::Mechanism;
 
-use super::{ARRAYS, StateTable, needed, some, width};
+use super::columns::{Columns, Wanted, columns};
 
 /// A line with more bytes is no line of numbers: reading stops before memory is full.
 const LONGEST_LINE: usize = 16 << 20;
 
-/// The line, where there is one, and what is wrong.
-type Fault = (Option<u64>, String);
+/// Bytes read at a time.
+const BUFFER: usize = 1 << 17;
 
-/// Reads a table with a header line.
-pub(super) fn read(
-    file: impl Read,
-    mechanism: &Mechanism,
-    model: Model,
-    note: &mut dyn FnMut(String),
-) -> Result<StateTable, Fault> {
-    let mut reader = ReaderBuilder::new()
-        .trim(Trim::All)
-        .from_reader(Lines { file, length: 0 });
-    let header = reader.headers().map_err(fault)?.clone();
-    let columns = columns(&header, mechanism, model, note).map_err(|what| (Some(1), what))?;
-    let mut table = StateTable {
-        q: Vec::new(),
-        qd: Vec::new(),
-        qdd: Vec::new(),
-        count: 0,
-    };
-    let mut record = StringRecord::new();
-    while reader.read_record(&mut record).map_err(fault)? {
-        let line = record.position().map(csv::Position::line);
-        let arrays = [&mut table.q, &mut table.qd, &mut table.qdd];
-        for (array, columns) in arrays.into_iter().zip(&columns) {
+/// What is wrong, and in which line, where there is one.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    /// The line, from 1.
+    pub line: Option<u64>,
+    /// What is wrong.
+    pub what: String,
+}
+
+/// A CSV file with a header line, and what its columns are.
+pub struct Table<R> {
+    reader: Reader<Lines<R>>,
+    header: StringRecord,
+    columns: Columns,
+    record: StringRecord,
+    rows: u64,
+}
+
+impl<R: Read> Table<R> {
+    /// Reads the header line.
+    ///
+    /// # Errors
+    /// A column that is wanted is not there, or there twice; the text is not UTF-8, or cannot
+    /// be read.
+    pub fn open(file: R, mechanism: &Mechanism, wanted: &Wanted) -> Result<Self, Fault> {
+        let mut reader = ReaderBuilder::new()
+            .trim(Trim::Headers)
+            .buffer_capacity(BUFFER)
+            .from_reader(Lines::of(file));
+        let header = match reader.headers() {
+            Ok(header) => header.clone(),
+            Err(error) => return Err(fault(&reader, &error)),
+        };
+        let titles: Vec<&str> = header.iter().collect();
+        let columns = columns(&titles, mechanism, wanted).map_err(|what| Fault {
+            line: Some(line(&reader)),
+            what,
+        })?;
+        Ok(Self {
+            reader,
+            header,
+            columns,
+            record: StringRecord::new(),
+            rows: 0,
+        })
+    }
+
+    /// Which column is which coordinate.
+    pub fn columns(&self) -> &Columns {
+        &self.columns
+    }
+
+    /// Reads at most so many rows to the ends of the arrays, in the order of those wanted; zero
+    /// in columns that are not needed. Gives their number: 0 after the last.
+    ///
+    /// # Errors
+    /// A line has more or fewer values than the header, or no finite number where one is
+    /// needed; there is no row at all; the text is not UTF-8, or cannot be read.
+    pub fn read(&mut self, most: usize, arrays: &mut [Vec<f64>]) -> Result<usize, Fault> {
+        let mut count = 0;
+        while count < most {
+            match self.reader.read_record(&mut self.record) {
+                Ok(true) => {}
+                Ok(false) => break,
+                Err(error) => return Err(fault(&self.reader, &error)),
+            }
+            self.take(arrays).map_err(|what| Fault {
+                line: Some(line(&self.reader)),
+                what,
+            })?;
+            count += 1;
+        }
+        self.rows += count as u64;
+        if self.rows == 0 && most > 0 {
+            let what = "there is a header line but no state below it".to_owned();
+            return Err(Fault { line: None, what });
+        }
+        Ok(count)
+    }
+
+    /// Puts the record's numbers to the ends of the arrays.
+    fn take(&self, arrays: &mut [Vec<f64>]) -> Result<(), String> {
+        for (array, columns) in arrays.iter_mut().zip(&self.columns.of) {
             for column in columns {
-                let value = column.map_or(Ok(0.0), |c| number(&record[c], &header[c]));
-                array.push(value.map_err(|what| (line, what))?);
+                array.push(match *column {
+                    Some(c) => number(self.record[c].trim(), &self.header[c])?,
+                    None => 0.0,
+                });
             }
         }
-        table.count += 1;
-    }
-    if table.count == 0 {
-        return Err((
-            None,
-            "there is a header line but no state below it".to_owned(),
-        ));
-    }
-    Ok(table)
-}
-
-fn number(text: &str, column: &str) -> Result<f64, String> {
-    let shown: String = text.chars().take(40).collect();
-    match text.parse::<f64>() {
-        Ok(x) if x.is_finite() => Ok(x),
-        Ok(_) => Err(format!("column {column}: {shown:?} is not a finite number")),
-        Err(_) => Err(format!("column {column}: {shown:?} is not a number")),
+        Ok(())
     }
 }
 
-/// For q, qd and qdd, the column of each coordinate; `None` where the model needs none.
-fn columns(
-    header: &StringRecord,
-    mechanism: &Mechanism,
-    model: Model,
-    note: &mut dyn FnMut(String),
-) -> Result<[Vec<Option<usize>>; 3], String> {
-    let names = [0, 1, 2].map(|array| names(mechanism, array));
-    let widths = [0, 1, 2].map(|array| width(mechanism, array));
-    let mut columns = widths.map(|width| vec![None; width]);
-    let mut ignored = Vec::new();
-    for (at, title) in header.iter().enumerate() {
-        let title = title.trim_start_matches('\u{feff}');
-        let Some((array, joint)) = meaning(title, &names) else {
-            ignored.push(title.to_owned());
-            continue;
-        };
-        if let Some(first) = columns[array][joint].replace(at) {
-            return Err(format!(
-                "columns {} ({}) and {} ({title}) both give {} of {} {}",
-                first + 1,
-                &header[first],
-                at + 1,
-                ARRAYS[array],
-                coordinates(mechanism),
-                joint + 1
-            ));
-        }
-    }
-    let titles = mechanism.state_titles();
-    let mut missing = Vec::new();
-    for (array, needed) in needed(model).into_iter().enumerate() {
-        let absent = (0..widths[array]).filter(|&j| needed && columns[array][j].is_none());
-        missing.extend(absent.map(|j| titles[array][j].clone()));
-        if !needed {
-            columns[array].fill(None);
-        }
-    }
-    if !missing.is_empty() {
-        return Err(lacking(header, &missing, mechanism, model));
-    }
-    if !ignored.is_empty() {
-        note(format!("columns that are not used: {}", some(&ignored)));
-    }
-    Ok(columns)
+/// The line that the last record ended with. (A record's own position is before the empty
+/// lines above it.)
+fn line<R: Read>(reader: &Reader<Lines<R>>) -> u64 {
+    reader.position().line().saturating_sub(1).max(1)
 }
 
-fn lacking(
-    header: &StringRecord,
-    missing: &[String],
-    mechanism: &Mechanism,
-    model: Model,
-) -> String {
-    let hint = if header.iter().all(|title| title.parse::<f64>().is_ok()) {
-        "; the first line must name the columns"
-    } else if header.iter().any(|title| title.contains([';', '\t'])) {
-        "; columns must be separated by commas"
-    } else {
-        ""
-    };
-    let [q, qd, qdd] = mechanism.state_titles();
-    let range = |titles: &[String]| match titles {
-        [first, .., last] => format!("{first} .. {last}"),
-        titles => titles.concat(),
-    };
-    let columns = match mechanism.is_floating() {
-        true => format!("{}, {} and {}", range(&q), range(&qd), range(&qdd)),
-        false => format!(
-            "{} (also qd_, qdd_), with the joint's number, its name or its link's name",
-            range(&q)
-        ),
-    };
-    format!(
-        "model {} needs a column for every {}, and there is no {}{hint}; columns are {columns}",
-        model.name(),
-        coordinates(mechanism),
-        some(missing),
-    )
-}
-
-/// What the numbers from 1 count.
-fn coordinates(mechanism: &Mechanism) -> &'static str {
-    if mechanism.is_floating() {
-        "coordinate"
-    } else {
-        "joint"
-    }
-}
-
-/// The array and the coordinate that a column's title means.
-fn meaning(title: &str, names: &[HashMap<String, usize>; 3]) -> Option<(usize, usize)> {
-    let (array, name) = title.split_once('_')?;
-    let array = ARRAYS.iter().position(|a| *a == array)?;
-    Some((array, *names[array].get(name)?))
-}
-
-/// What the coordinates may be called: by joint name (of a floating link, by their own
-/// names), by link name, else by number from 1.
-fn names(mechanism: &Mechanism, array: usize) -> HashMap<String, usize> {
-    let own = match array {
-        0 => mechanism.position_names(),
-        _ => mechanism.velocity_names(),
-    };
-    let mut names: HashMap<String, usize> = HashMap::new();
-    names.extend((0..own.len()).map(|j| ((j + 1).to_string(), j)));
-    let joints = mechanism.independent_joints().into_iter();
-    let links: Vec<&str> = joints
-        .filter(|l| l.joint.has_axis())
-        .map(|l| l.name.as_str())
-        .collect();
-    let places = own.len() - links.len()..own.len();
-    names.extend(links.into_iter().map(str::to_owned).zip(places));
-    names.extend(own.into_iter().zip(0..));
-    names
-}
-
-fn fault(error: csv::Error) -> Fault {
-    let line = error.position().map(csv::Position::line);
+fn fault<R: Read>(reader: &Reader<Lines<R>>, error: &csv::Error) -> Fault {
     let what = match error.kind() {
-        ErrorKind::Io(error) => format!("cannot be read: {error}"),
+        ErrorKind::Io(error) => {
+            return Fault {
+                line: None,
+                what: format!("cannot be read: {error}"),
+            };
+        }
         ErrorKind::Utf8 { .. } => "the text is not UTF-8".to_owned(),
         ErrorKind::UnequalLengths {
             expected_len, len, ..
@@ -191,18 +129,79 @@ fn fault(error: csv::Error) -> Fault {
         }
         _ => error.to_string(),
     };
-    (line, what)
+    Fault {
+        line: Some(line(reader)),
+        what,
+    }
 }
 
-/// A reader that refuses endless lines.
+fn number(text: &str, column: &str) -> Result<f64, String> {
+    let shown = || text.chars().take(40).collect::<String>();
+    match text.parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        Ok(_) => Err(format!(
+            "column {column}: {:?} is not a finite number",
+            shown()
+        )),
+        Err(_) => Err(format!("column {column}: {:?} is not a number", shown())),
+    }
+}
+
+/// A reader whose lines end with a line feed each, so that they can be counted, and that
+/// refuses endless ones.
 struct Lines<R> {
     file: R,
+    /// Bytes of the line so far.
     length: usize,
+    /// The last byte that was read.
+    last: u8,
+}
+
+impl<R> Lines<R> {
+    fn of(file: R) -> Self {
+        Self {
+            file,
+            length: 0,
+            last: b'\n',
+        }
+    }
+
+    /// Makes each of CR LF, CR and LF a line feed; gives the number of bytes.
+    fn unify(&mut self, bytes: &mut [u8]) -> usize {
+        let mut kept = 0;
+        for at in 0..bytes.len() {
+            let byte = bytes[at];
+            if byte != b'\n' || self.last != b'\r' {
+                bytes[kept] = if byte == b'\r' { b'\n' } else { byte };
+                kept += 1;
+            }
+            self.last = byte;
+        }
+        kept
+    }
 }
 
 impl<R: Read> Read for Lines<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.file.read(buffer)?;
+        let mut count = 0;
+        while count == 0 && !buffer.is_empty() {
+            let read = self.file.read(buffer)?;
+            if read == 0 {
+                if !matches!(self.last, b'\n' | b'\r') {
+                    buffer[0] = b'\n';
+                    self.last = b'\n';
+                    count = 1;
+                }
+                break;
+            }
+            let bytes = &mut buffer[..read];
+            count = if self.last == b'\r' || bytes.contains(&b'\r') {
+                self.unify(bytes)
+            } else {
+                self.last = bytes[read - 1];
+                read
+            };
+        }
         match buffer[..count].iter().rposition(|b| *b == b'\n') {
             Some(end) => self.length = count - end - 1,
             None => self.length += count,
