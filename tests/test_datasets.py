@@ -18,7 +18,7 @@ frames = pytest.importorskip("dask.dataframe")
 pd = pytest.importorskip("pandas")
 
 ROOT = Path(__file__).parents[1]
-EXAMPLE = ROOT / "examples/reduce_on_dask.py"
+EXAMPLE = ROOT / "docs/reduce_on_dask.py"
 
 NAMES = [f"{array}_{j}" for array in logs.ARRAYS for j in range(1, 7)]
 
