@@ -64,7 +64,7 @@ fn merge(criterion: &mut Criterion) {
             b.iter(|| factor.merge(&factor));
         });
         group.bench_function(BenchmarkId::new("checkpoint", name), |b| {
-            b.iter(|| reduction.to_bytes());
+            b.iter(|| reduction.to_bytes(&[]));
         });
     }
 }
