@@ -360,7 +360,22 @@ def test_ctrl_c_while_the_command_is_imported_ends_it_without_a_traceback(tmp_pa
     assert (done.returncode, done.stderr) == (-signal.SIGINT, "")
 
 
-def test_a_digest_sees_the_ends_of_large_files(tmp_path: Path) -> None:
+def test_a_digest_sees_every_byte_of_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    content = bytearray(3 * checkpoints.PIECE + 7)
+    path.write_bytes(content)
+    plain = checkpoints.identity(path, "")
+    for place in np.random.default_rng(0).integers(0, len(content), 20):
+        content[place] = 1
+        path.write_bytes(content)
+        assert checkpoints.identity(path, "") != plain
+        content[place] = 0
+
+
+def test_a_digest_sees_the_ends_of_large_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(checkpoints, "WHOLE", 1 << 20)
     path = tmp_path / "log"
     content = bytearray(3 * checkpoints.WHOLE)
     path.write_bytes(content)

@@ -222,6 +222,8 @@ def write(qr: ObservationQR, output: Path) -> None:
     if output != STDOUT:
         qr.save_factor(output)
         return
+    if sys.stdout is None:
+        raise OSError(errno.EBADF, os.strerror(errno.EBADF), "standard output")
     with tempfile.TemporaryDirectory(prefix="roberval-") as folder:
         written = Path(folder) / "R.npz"
         qr.save_factor(written)

@@ -53,8 +53,11 @@ impl Columns {
     /// What the user should know.
     #[must_use]
     pub fn note(&self) -> Option<String> {
-        let unused = || format!("columns that are not used: {}", some(&self.ignored));
-        (!self.ignored.is_empty()).then(unused)
+        // A comma at the end of every line makes a column without a title.
+        let titles = self.ignored.iter().filter(|title| !title.is_empty());
+        let titles: Vec<_> = titles.cloned().collect();
+        let unused = || format!("columns that are not used: {}", some(&titles));
+        (!titles.is_empty()).then(unused)
     }
 }
 

@@ -123,6 +123,13 @@ fn fault<R: Read>(reader: &Reader<Lines<R>>, error: &csv::Error) -> Fault {
         }
         ErrorKind::Utf8 { .. } => "the text is not UTF-8".to_owned(),
         ErrorKind::UnequalLengths {
+            expected_len,
+            len: 1,
+            ..
+        } => {
+            format!("1 value, or spaces alone, under {expected_len} columns (separate by commas)")
+        }
+        ErrorKind::UnequalLengths {
             expected_len, len, ..
         } => {
             format!("{len} values under {expected_len} columns (decimals are written with a point)")
