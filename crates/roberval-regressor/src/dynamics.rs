@@ -2,7 +2,8 @@ use roberval_mechanism::JointKind;
 use roberval_scalar::{Lift, Scalar};
 
 use crate::forces::Forces;
-use crate::frame::{Frame, General, Near, Placing, Right, ordered, with_frame};
+use crate::frame::{Frame, General, Near, Placing, Right, with_frame};
+use crate::layout::ordered;
 use crate::vector::{Mat3, Vec3, lift3, negative};
 use crate::{BaseState, Body, Constants, JointMotion, Sink, Tree};
 

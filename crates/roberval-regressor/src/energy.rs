@@ -1,7 +1,8 @@
 use roberval_mechanism::JointKind;
 use roberval_scalar::{Lift, Scalar};
 
-use crate::frame::{Frame, General, Placing, Right, usual, with_frame};
+use crate::frame::{Frame, General, Placing, Right, with_frame};
+use crate::layout::usual;
 use crate::vector::{Vec3, cross, dot, lift3};
 use crate::{BaseState, JointMotion, Sink, Tree};
 

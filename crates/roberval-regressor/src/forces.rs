@@ -5,7 +5,7 @@ use roberval_scalar::{Lift, Scalar};
 
 use crate::Body;
 use crate::dynamics::{BodyState, Screw};
-use crate::frame::{Layout, ordered, usual};
+use crate::layout::{Layout, ordered, usual};
 use crate::vector::{Mat3, Vec3, dot, lift3};
 
 /// All three components of a vector.

@@ -20,6 +20,7 @@ mod forces;
 mod formulas;
 mod frame;
 mod lanes;
+mod layout;
 mod loops;
 mod moments;
 mod motion;
@@ -45,7 +46,7 @@ pub use exact::{
     couples_close_loops, whole_multiple,
 };
 pub use expansion::{Expansion, JointStates, NoValue};
-pub use frame::{Aligned, Layout};
+pub use layout::{Aligned, Layout};
 pub use moments::{Moments, Shape};
 pub use motion::JointMotion;
 pub use newton_euler::newton_euler;

@@ -1,7 +1,7 @@
 use roberval_mechanism::{JointKind, Mechanism};
 use roberval_scalar::Magnitude;
 
-use crate::frame::Layout;
+use crate::layout::Layout;
 use crate::vector::{Mat3, Vec3};
 
 /// The constants a scalar cannot make by itself.
