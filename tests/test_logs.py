@@ -128,6 +128,40 @@ def test_csv_is_read_by_the_rules_of_regressor(
         assert not out.exists()
 
 
+ROOT_OF_Q = """
+[[link]]
+name = "crank"
+alpha = 0
+d = 0
+theta = 0
+r = 0
+[[link]]
+name = "follower"
+antecedent = "crank"
+alpha = "90 deg"
+d = 0.1
+theta = 0
+r = 0
+[[couple]]
+joint = "follower"
+expression = "sqrt(q.crank)"
+"""
+
+
+def test_states_without_a_value_are_counted_within_their_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(logs, "PIECE", 16)
+    robot = tmp_path / "follower.toml"
+    robot.write_text(ROOT_OF_Q)
+    q = np.linspace(1, 2, 40)[:, None]
+    q[33] = -1
+    log = tmp_path / "log.npz"
+    np.savez(log, q=q, qd=q, qdd=q, tau=q)
+    assert reduced(log, "-o", tmp_path / "R.npz", robot=str(robot)) == 2
+    assert f"{log}: sample 33: " in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("form", ["npz", "parquet"])
 def test_rows_are_counted_within_their_file(
     form: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

@@ -101,4 +101,5 @@ def placed(error: ArrayError, first: int) -> str:
     """
     if error.row is None:
         return str(error)
-    return re.sub(r"\[\d+, ", f"[{first + error.row}, ", str(error), count=1)
+    # As in "q[3, 0] is NaN" and "sample 3: the loop cannot be closed".
+    return re.sub(r"(\[|\bsample )\d+", rf"\g<1>{first + error.row}", str(error), count=1)
