@@ -223,14 +223,34 @@ def test_out_may_be_part_of_a_larger_array(puma: rv.Robot, states: States) -> No
     assert np.isnan(large[2 * N :]).all()
 
 
-def test_out_may_share_memory_with_the_states(puma: rv.Robot, states: States) -> None:
+@pytest.mark.parametrize("argument", [0, 1, 2])
+@pytest.mark.parametrize("first", [0, 7, N * n * (C - 1)])
+def test_out_may_share_memory_with_the_states(
+    puma: rv.Robot, states: States, argument: int, first: int
+) -> None:
     expected = puma.regressor(*states)
     memory = np.empty(N * n * C)
-    out = memory.reshape(N, n, C)
-    q = memory[7 : 7 + N * n].reshape(N, n)
-    q[:] = states[0]
-    puma.regressor(q, states[1], states[2], out=out)
-    assert (out == expected).all()
+    given = list(states)
+    given[argument] = memory[first : first + N * n].reshape(N, n)
+    given[argument][:] = states[argument]
+    assert (puma.regressor(*given, out=memory.reshape(N, n, C)) == expected).all()
+
+
+def test_torques_may_take_the_place_of_the_states(puma: rv.Robot, states: States) -> None:
+    X = np.linspace(1, 2, C)
+    expected = puma.torques(*states, X)
+    for argument in range(3):
+        given = [array.copy() for array in states]
+        assert (puma.torques(*given, X, out=given[argument]) == expected).all()
+
+
+def test_parameters_in_any_form_give_the_same_torques(puma: rv.Robot, states: States) -> None:
+    X = np.linspace(1, 2, C)
+    expected = puma.torques(*states, X)
+    twice = np.repeat(X, 2)[::2]
+    labelled = dict(zip(puma.parameters, X, strict=True))
+    for same in (list(X), twice, X.astype(np.longdouble), labelled):
+        assert (puma.torques(*states, same) == expected).all()
 
 
 def test_the_reduced_model_takes_out_too(base: rv.BaseParameters) -> None:

@@ -121,6 +121,22 @@ def test_a_forked_child_computes(puma: rv.Robot) -> None:
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 40
 
 
+def test_small_calls_while_another_thread_writes_get_their_own_answers(puma: rv.Robot) -> None:
+    q, qd, qdd = random_states(puma, 20_000)
+    one = q[0], qd[0], qdd[0]
+    expected = puma.regressor(*one)
+    large = np.empty((20_000, 6, 66))
+    with ThreadPoolExecutor(1) as pool:
+        writing = pool.submit(lambda: [puma.regressor(q, qd, qdd, out=large) for _ in range(5)])
+        out = np.empty((6, 66))
+        same = [(puma.regressor(*one, out=out) == expected).all()]
+        while not writing.done():
+            same.append((puma.regressor(*one, out=out) == expected).all())
+        writing.result()
+    assert all(same)
+    assert (large[0] == expected).all()
+
+
 LONG_CALLS = {
     "many short calls": """
         q = np.zeros((1_000, 6))

@@ -98,7 +98,7 @@ class Robot:
     def packed_layout(self, model: str) -> tuple[list[list[int]], int]: ...
     def torques(
         self,
-        x: _Array,
+        x: object,
         q: object,
         qd: object,
         qdd: object,

@@ -80,6 +80,13 @@ def states(q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike, nq: int, n: 
     return States(q, qd, qdd, arrays[0].shape[:-1])
 
 
+def room(q: npt.ArrayLike, nq: int, size: tuple[int, ...]) -> Array | None:
+    """Return a new array for `size` numbers a state, if q is an array of such states."""
+    if type(q) is not np.ndarray or q.shape[-1:] != (nq,):
+        return None
+    return np.empty((*q.shape[:-1], *size))
+
+
 def output(out: Array | None, shape: tuple[int, ...]) -> Array:
     """Return `out`, or a new array if it is None, to be written by the core."""
     if out is None:

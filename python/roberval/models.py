@@ -141,13 +141,18 @@ class Models(Description):
         threads: int | None,
     ) -> Array:
         """Evaluate the regressor, or some of its columns (with their number)."""
-        chosen, width = columns or (None, len(self._labels))
-        threads = arrays.thread_count(threads)
+        chosen = None if columns is None else columns[0]
+        threads = None if threads is None else arrays.thread_count(threads)
         if out is not None and self._inner.regressor(model, chosen, q, qd, qdd, out, threads):
             return out
+        width = len(self._labels) if columns is None else columns[1]
+        size = (width,) if model == "h" else (self.n, width)
+        if out is None:
+            out = arrays.room(q, self.nq, size)
+            if out is not None and self._inner.regressor(model, chosen, q, qd, qdd, out, threads):
+                return out
         states = self._states(model, q, qd, qdd)
-        rows = () if model == "h" else (self.n,)
-        out = arrays.output(out, (*states.lead, *rows, width))
+        out = arrays.output(out, (*states.lead, *size))
         into = np.asarray(out) if states.lead else np.asarray(out)[None]
         arrays.done(self._inner.regressor(model, chosen, *states[:3], into, threads))
         return out
@@ -200,10 +205,12 @@ class Models(Description):
         ShapeError, ArrayError, UnknownParameterError
             An argument is not usable.
         """
-        x = self._standard_parameters(X)
         threads = arrays.thread_count(threads)
-        if out is not None and self._inner.torques(x, q, qd, qdd, out, threads):
+        if out is None:
+            out = arrays.room(q, self.nq, (self.n,))
+        if out is not None and self._inner.torques(X, q, qd, qdd, out, threads):
             return out
+        x = self._standard_parameters(X)
         states = arrays.states(q, qd, qdd, self.nq, self.n)
         out = arrays.output(out, (*states.lead, self.n))
         into = np.asarray(out) if states.lead else np.asarray(out)[None]

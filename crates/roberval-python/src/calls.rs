@@ -25,16 +25,13 @@ where
     T: Send,
     E: IntoPython + Send,
 {
-    let caught = py.detach(|| catch_unwind(AssertUnwindSafe(work)));
+    let caught = py.detach(|| caught(work));
     answer(py, caught)
 }
 
-/// As [`detached`] for work of microseconds: the GIL is kept.
-pub fn attached<T, E: IntoPython>(
-    py: Python<'_>,
-    work: impl FnOnce() -> Result<T, E>,
-) -> PyResult<T> {
-    answer(py, catch_unwind(AssertUnwindSafe(work)))
+/// Runs `work` with its panics caught: see [`answer`].
+pub fn caught<T, E>(work: impl FnOnce() -> Result<T, E>) -> Caught<T, E> {
+    catch_unwind(AssertUnwindSafe(work))
 }
 
 /// As [`detached`] for work of seconds, on a thread of its own: Ctrl-C gives Python back
@@ -51,7 +48,7 @@ where
     let stop = Arc::new(AtomicBool::new(false));
     let stopped = Arc::clone(&stop);
     Builder::new().name("roberval".to_owned()).spawn(move || {
-        let work = || catch_unwind(AssertUnwindSafe(|| cancellable(&stopped, work)));
+        let work = || caught(|| cancellable(&stopped, work));
         if let Some(ended) = work().map(Result::ok).transpose() {
             // Nobody is left to receive after Ctrl-C.
             let _ = sender.send(ended);

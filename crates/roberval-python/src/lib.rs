@@ -8,6 +8,7 @@ mod calls;
 mod command;
 mod conventions;
 mod errors;
+mod memory;
 mod options;
 mod reduce;
 mod robot;

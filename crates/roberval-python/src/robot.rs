@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArrayDyn};
+use numpy::{PyArray1, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use roberval_base::{base_parameters, base_parameters_at, compare};
 use roberval_formats::{
@@ -17,7 +17,7 @@ use crate::calls::{detached, interruptible};
 use crate::errors::IntoPython;
 use crate::options::{self, OptionArguments, Reading, rendering};
 use crate::scaling::{self, Scaling, ScalingArguments};
-use crate::states::{StateArrays, Target, output, vector};
+use crate::states::{PlainStates, StateArrays, Target, finite, output};
 use crate::symbols::Symbolic;
 
 /// A robot, immutable.
@@ -28,6 +28,8 @@ pub struct Robot {
     /// Shared with the threads of long calls.
     mechanism: Arc<Mechanism>,
     regressor: Regressor,
+    /// The X of the robot file.
+    standard: Option<Vec<f64>>,
 }
 
 /// A choice of columns, made ready.
@@ -254,8 +256,8 @@ impl Robot {
 
     /// X, C numbers; None where the file gives no value at all.
     fn standard_parameters<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        let x = self.mechanism.standard_parameters()?;
-        Some(PyArray1::from_vec(py, x))
+        let x = self.standard.as_ref()?;
+        Some(PyArray1::from_slice(py, x))
     }
 
     /// Some columns of a model, made ready for many calls.
@@ -265,7 +267,7 @@ impl Robot {
     }
 
     /// Rows of d, d0 or h into `out`: all columns, or those made ready. False, and nothing
-    /// done, if an array is not plain or does not fit (see `StateArrays::of`).
+    /// done, if an array is not plain or does not fit (see `PlainStates::of`).
     #[allow(clippy::too_many_arguments)] // the signature is Python's
     fn regressor<'py>(
         &self,
@@ -336,19 +338,25 @@ impl Robot {
         Ok((entries.collect(), self.regressor.lanes()))
     }
 
-    /// Gamma = d X into `out` (N x n). False as for the regressor.
+    /// Gamma = d X into `out` (N x n), by default with the X of the robot file. False as for
+    /// the regressor, and if there is no X or it is not finite.
     #[allow(clippy::too_many_arguments)] // the signature is Python's
     fn torques<'py>(
         &self,
         py: Python<'py>,
-        x: PyReadonlyArray1<'_, f64>,
+        x: Option<&Bound<'py, PyAny>>,
         q: &Bound<'py, PyAny>,
         qd: &Bound<'py, PyAny>,
         qdd: &Bound<'py, PyAny>,
         out: &Bound<'py, PyAny>,
         threads: Option<usize>,
     ) -> PyResult<bool> {
-        let (x, m) = (vector(&x)?, self.regressor.independent());
+        let x = match x {
+            Some(x) => finite(x, self.regressor.parameters().len()),
+            None => self.standard.clone(),
+        };
+        let Some(x) = x else { return Ok(false) };
+        let m = self.regressor.independent();
         let tiles = Tiles {
             shape: |lead: &[usize]| [lead, &[m]].concat(),
             size: m,
@@ -459,7 +467,7 @@ impl Robot {
     ) -> PyResult<bool> {
         let regressor = &self.regressor;
         let widths = (regressor.positions(), regressor.independent());
-        let Some(states) = StateArrays::of(states, widths.0, widths.1) else {
+        let Some(states) = PlainStates::of(states, widths.0, widths.1) else {
             return Ok(false);
         };
         let Some(out) = output(out, &(tiles.shape)(states.lead())) else {
@@ -485,6 +493,7 @@ impl Robot {
         Ok(Self {
             urdf,
             regressor: Regressor::new(&mechanism),
+            standard: mechanism.standard_parameters(),
             mechanism: Arc::new(mechanism),
         })
     }

@@ -10,8 +10,9 @@ use pyo3::prelude::*;
 use roberval_base::Samples;
 use roberval_regressor::{RegressorError, STREAM_BYTES, States};
 
-use crate::calls::{attached, detached};
+use crate::calls::{answer, caught, detached};
 use crate::errors::raise;
+use crate::memory::{self, Plain, Writer};
 
 /// Samples that one thread takes at a time: whole tiles, whole stretches of samples whose
 /// loops are closed one after the other.
@@ -33,7 +34,14 @@ const SMALL: usize = 1 << 17;
 /// which this takes: a tenth of a millisecond.
 const QUICK: usize = 1 << 13;
 
-/// Joint states of Python: one, or N.
+/// Joint states of Python, one or N, about which nothing has to be converted or complained of.
+pub struct PlainStates<'a, 'py> {
+    q: Plain<'a, 'py>,
+    qd: Plain<'a, 'py>,
+    qdd: Plain<'a, 'py>,
+}
+
+/// The same, borrowed.
 pub struct StateArrays<'py> {
     pub q: PyReadonlyArrayDyn<'py, f64>,
     pub qd: PyReadonlyArrayDyn<'py, f64>,
@@ -53,7 +61,7 @@ pub struct OwnedStates {
 
 /// What a call fills.
 pub struct Target<'a, 'py> {
-    pub out: &'a Bound<'py, PyArrayDyn<f64>>,
+    pub out: Plain<'a, 'py>,
     /// Numbers of one sample.
     pub size: usize,
     /// Samples that stand together: 1 for rows, as many as lanes for tiles.
@@ -68,33 +76,38 @@ pub struct Target<'a, 'py> {
 fn plain<'a, 'py>(
     array: &'a Bound<'py, PyAny>,
     shape: impl Fn(&[usize]) -> bool,
-) -> Option<&'a Bound<'py, PyArrayDyn<f64>>> {
+) -> Option<Plain<'a, 'py>> {
     let array = array.cast_exact::<PyArrayDyn<f64>>().ok()?;
     let fits = array.is_c_contiguous() && array.is_aligned() && shape(array.shape());
     fits.then_some(array)
 }
 
 /// The array that is to be filled, if it is one of this shape.
-pub fn output<'a, 'py>(
-    out: &'a Bound<'py, PyAny>,
-    shape: &[usize],
-) -> Option<&'a Bound<'py, PyArrayDyn<f64>>> {
+pub fn output<'a, 'py>(out: &'a Bound<'py, PyAny>, shape: &[usize]) -> Option<Plain<'a, 'py>> {
     plain(out, |found| found == shape)
 }
 
-impl<'py> StateArrays<'py> {
-    /// The states, if nothing about these arrays has to be converted or complained of.
-    pub fn of([q, qd, qdd]: [&Bound<'py, PyAny>; 3], positions: usize, dof: usize) -> Option<Self> {
+/// A vector of so many finite numbers, if it is a plain array.
+pub fn finite(x: &Bound<'_, PyAny>, count: usize) -> Option<Vec<f64>> {
+    let x = plain(x, |found| found == [count])?.try_readonly().ok()?;
+    let x = x.as_slice().ok()?.to_vec();
+    x.iter().all(|x| x.is_finite()).then_some(x)
+}
+
+impl<'a, 'py> PlainStates<'a, 'py> {
+    /// The states, if the arrays are plain and fit.
+    pub fn of(
+        [q, qd, qdd]: [&'a Bound<'py, PyAny>; 3],
+        positions: usize,
+        dof: usize,
+    ) -> Option<Self> {
         let q = plain(q, |shape| {
             shape.len() <= 2 && shape.last() == Some(&positions)
         })?;
         let lead = &q.shape()[..q.ndim() - 1];
         let moving = |x| plain(x, |shape| shape.split_last() == Some((&dof, lead)));
-        Some(Self {
-            qd: moving(qd)?.try_readonly().ok()?,
-            qdd: moving(qdd)?.try_readonly().ok()?,
-            q: q.try_readonly().ok()?,
-        })
+        let (qd, qdd) = (moving(qd)?, moving(qdd)?);
+        Some(Self { q, qd, qdd })
     }
 
     /// What stands before the coordinates in the shape of q.
@@ -102,6 +115,40 @@ impl<'py> StateArrays<'py> {
         &self.q.shape()[..self.q.ndim() - 1]
     }
 
+    /// Fills the target: few samples at once, many as [`StateArrays::fill`] does. False, and
+    /// nothing done, if an array cannot be borrowed or the target is read-only.
+    pub fn fill(
+        &self,
+        py: Python<'_>,
+        target: &Target<'_, '_>,
+        fill: impl Fn(States<'_>, &mut [f64], bool) -> Result<(), RegressorError> + Sync,
+    ) -> PyResult<bool> {
+        if !target.slow && self.qd.len() <= QUICK {
+            let states = [self.q, self.qd, self.qdd];
+            let filled = memory::at_once(py, states, target.out, |[q, qd, qdd], out| {
+                let past_cache = size_of_val(out) > STREAM_BYTES;
+                caught(|| fill(States { q, qd, qdd }, out, past_cache))
+            });
+            if let Some(filled) = filled {
+                return answer(py, filled).map(|()| true);
+            }
+        }
+        match self.borrowed() {
+            Some(states) => states.fill(py, target, fill),
+            None => Ok(false),
+        }
+    }
+
+    fn borrowed(&self) -> Option<StateArrays<'py>> {
+        Some(StateArrays {
+            q: self.q.try_readonly().ok()?,
+            qd: self.qd.try_readonly().ok()?,
+            qdd: self.qdd.try_readonly().ok()?,
+        })
+    }
+}
+
+impl StateArrays<'_> {
     fn widths(&self) -> (usize, usize) {
         let of = |x: &PyReadonlyArrayDyn<'_, f64>| x.shape().last().copied();
         (of(&self.q).unwrap_or(0), of(&self.qd).unwrap_or(0))
@@ -130,23 +177,15 @@ impl<'py> StateArrays<'py> {
     }
 
     fn count(&self) -> usize {
-        self.lead().iter().product()
-    }
-
-    /// The arrays themselves, for as long as no other thread of Python runs.
-    fn borrowed(&self) -> PyResult<States<'_>> {
-        Ok(States {
-            q: self.q.as_slice()?,
-            qd: self.qd.as_slice()?,
-            qdd: self.qdd.as_slice()?,
-        })
+        let (positions, _) = self.widths();
+        self.q.len() / positions.max(1)
     }
 
     /// Calls `fill` for piece after piece of samples with the GIL released, on several
     /// threads if there are many, each with its part of the target and told whether to
-    /// write past the cache. Answers Ctrl-C in between. Few samples are done at once. False,
-    /// and nothing done, if the target is read-only.
-    pub fn fill(
+    /// write past the cache. Answers Ctrl-C in between. False, and nothing done, if the
+    /// target is read-only.
+    fn fill(
         self,
         py: Python<'_>,
         target: &Target<'_, '_>,
@@ -155,14 +194,8 @@ impl<'py> StateArrays<'py> {
         match target.out.try_readwrite() {
             Err(BorrowError::NotWriteable) => Ok(false),
             Ok(mut out) => {
-                if !target.slow && self.qd.len() <= QUICK {
-                    let (states, out) = (self.borrowed()?, out.as_slice_mut()?);
-                    let past_cache = size_of_val(out) > STREAM_BYTES;
-                    attached(py, || fill(states, out, past_cache))?;
-                } else {
-                    let each = |first, last, to: &mut OwnedStates| self.copy(first, last, to);
-                    waves(py, target, self.count(), &mut out, each, fill)?;
-                }
+                let each = |first, last, to: &mut OwnedStates| self.copy(first, last, to);
+                waves(py, target, self.count(), &mut out, each, fill)?;
                 Ok(true)
             }
             Err(_) => self.fill_copied(py, target, fill),
@@ -201,6 +234,7 @@ fn waves(
     fill: impl Fn(States<'_>, &mut [f64], bool) -> Result<(), RegressorError> + Sync,
 ) -> PyResult<()> {
     let out = out.as_slice_mut()?;
+    let _writer = Writer::begin();
     let mut scratch = OwnedStates::default();
     let past_cache = size_of_val(out) > STREAM_BYTES;
     let size = target.size.max(1);
