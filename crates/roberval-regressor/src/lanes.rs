@@ -9,6 +9,7 @@ use roberval_mechanism::ParameterSpace;
 use roberval_scalar::{Lanes, MAX_LANES, Task};
 
 use crate::packed::{Export, InPlace, Packed, Projection};
+use crate::past::Buffer;
 use crate::tile::Tile;
 use crate::tree_states::{Expanded, TreeStates};
 use crate::{
@@ -229,76 +230,65 @@ fn write<V: Lanes>(
     out: &mut [f64],
 ) -> Result<(), Fault> {
     let projection = robot.projection.filter(|_| model != Model::H);
-    let (slots, length) = match form {
-        Form::Rows(export) => (export.slots(), export.len()),
-        Form::Packed(slots) => (slots, slots),
+    let (slots, length, steps) = match form {
+        Form::Rows(export) => (export.slots(), export.len(), export.steps::<V>()),
+        Form::Packed(slots) => (slots, slots, 1),
     };
     let of_tree = projection.map_or(slots, Projection::tree_slots);
     let (mut stage, mut rows) = (mem::take(&mut work.stage), mem::take(&mut work.rows));
     let mut projected = mem::take(&mut work.projected);
-    let zero = V::lift(0.0);
-    stage.resize(stage.len().max(of_tree + 1), zero);
-    stage[of_tree] = zero;
+    with_zero(&mut stage, of_tree);
     if projection.is_some() {
-        projected.resize(projected.len().max(slots + 1), zero);
-        projected[slots] = zero;
+        with_zero(&mut projected, slots);
     }
     let whole = V::COUNT * length;
-    rows.resize(rows.len().max(whole), 0.0);
-    if stream || !out.len().is_multiple_of(whole.max(1)) {
-        rows[..whole].fill(0.0);
-    }
+    let mut buffer = Buffer::<V>::new(&mut rows, whole, stream, out.len());
     for (tile, out) in out.chunks_mut(whole).enumerate() {
         let direct = out.len() == whole && !stream;
-        let to = if direct {
-            &mut *out
-        } else {
-            &mut rows[..whole]
-        };
-        if let (1, Form::Rows(export)) = (V::COUNT, form)
-            && let Some(places) = export.places()
-        {
-            let mut sink = InPlace::new(places, to);
-            work.run(robot.tree, model, states, tile, &mut sink)?;
-            finish::<V>(&rows, out, direct, stream);
-            continue;
-        }
-        let packed = match form {
-            Form::Packed(_) if projection.is_none() => &mut *to,
-            _ => V::numbers(&mut stage[..of_tree]),
-        };
-        let mut sink = Packed::new(packed);
-        work.run(robot.tree, model, states, tile * V::COUNT, &mut sink)?;
-        if let Some(projection) = projection {
-            projection.apply(work.g(), &stage, &mut projected[..slots]);
-            if let Form::Packed(_) = form {
-                to.copy_from_slice(V::numbers(&mut projected[..slots]));
+        let (near, mut past) = buffer.next(steps);
+        let to = if direct { &mut *out } else { near };
+        let first = tile * V::COUNT;
+        match form {
+            Form::Rows(export) if V::COUNT == 1 && export.places().is_some() => {
+                let mut sink = InPlace::new(export.places().unwrap_or_default(), to);
+                work.run(robot.tree, model, states, first, &mut sink)?;
+            }
+            Form::Packed(_) if projection.is_none() => {
+                work.run(robot.tree, model, states, first, &mut Packed::new(to))?;
+            }
+            _ => {
+                let mut sink = Packed::new(V::numbers(&mut stage[..of_tree]));
+                work.run(robot.tree, model, states, first, &mut sink)?;
+                let stage = match projection {
+                    None => &mut stage,
+                    Some(projection) => {
+                        projection.apply(work.g(), &stage, &mut projected[..slots]);
+                        &mut projected
+                    }
+                };
+                match form {
+                    Form::Packed(_) => to.copy_from_slice(V::numbers(&mut stage[..slots])),
+                    Form::Rows(export) if V::COUNT == 1 => {
+                        export.write_one(V::numbers(stage), to);
+                    }
+                    Form::Rows(export) => export.write(stage, to, !direct, &mut past),
+                }
             }
         }
-        if let Form::Rows(export) = form {
-            let stage = match projection {
-                Some(_) => &mut projected,
-                None => &mut stage,
-            };
-            match V::COUNT {
-                1 => export.write_one(V::numbers(stage), to),
-                _ => export.write(stage, to, !direct),
-            }
+        past.finish();
+        if !direct {
+            buffer.pass(out);
         }
-        finish::<V>(&rows, out, direct, stream);
     }
+    buffer.finish();
     (work.stage, work.rows, work.projected) = (stage, rows, projected);
     Ok(())
 }
 
-/// Brings the rows of a tile to their place, if they are not there.
-#[inline(always)]
-fn finish<V: Lanes>(rows: &[f64], out: &mut [f64], direct: bool, stream: bool) {
-    if stream {
-        V::stream(&rows[..out.len()], out);
-    } else if !direct {
-        out.copy_from_slice(&rows[..out.len()]);
-    }
+/// Makes room for so many slots and a zero after them.
+fn with_zero<V: Lanes>(slots: &mut Vec<V>, count: usize) {
+    slots.resize(slots.len().max(count + 1), V::lift(0.0));
+    slots[count] = V::lift(0.0);
 }
 
 /// Torques of all samples: the rows times X.

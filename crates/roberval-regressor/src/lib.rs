@@ -26,6 +26,7 @@ mod moments;
 mod motion;
 mod newton_euler;
 mod packed;
+mod past;
 mod scalar_path;
 mod sink;
 mod states;

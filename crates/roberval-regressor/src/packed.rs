@@ -6,6 +6,7 @@ use std::ops::Range;
 use roberval_mechanism::ParameterSpace;
 use roberval_scalar::Lanes;
 
+use crate::past::Past;
 use crate::{
     DynamicsWorkspace, EnergyWorkspace, Model, Sink, Transmission, Tree, dynamics, energy,
 };
@@ -361,10 +362,23 @@ impl Export {
         }
     }
 
+    /// Steps that [`Export::write`] takes: blocks of numbers.
+    pub(crate) fn steps<V: Lanes>(&self) -> usize {
+        let blocks = self.filled.iter().map(|range| range.len() / V::COUNT);
+        blocks.sum()
+    }
+
     /// Writes the samples of a tile, one after the other. `stage` has a zero after its
-    /// slots; what is zero for every state is left alone if it is so already.
+    /// slots; what is zero for every state is left alone if it is so already. Each
+    /// block is a step of `past`.
     #[inline(always)]
-    pub(crate) fn write<V: Lanes>(&self, stage: &[V], out: &mut [f64], cleared: bool) {
+    pub(crate) fn write<V: Lanes>(
+        &self,
+        stage: &[V],
+        out: &mut [f64],
+        cleared: bool,
+        past: &mut Past<'_, V>,
+    ) {
         let length = self.len();
         let mut done = 0;
         for range in &self.filled {
@@ -375,6 +389,7 @@ impl Export {
             for first in (range.start..whole).step_by(V::COUNT) {
                 let sources = &self.sources[first..first + V::COUNT];
                 V::store_transposed(stage, sources, &mut out[first..], length);
+                past.step();
             }
             for at in whole..range.end {
                 let mut numbers = [0.0; BLOCK];

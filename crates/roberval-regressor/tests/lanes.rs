@@ -153,6 +153,33 @@ fn a_sample_has_the_same_bits_alone_and_among_others() {
 }
 
 #[test]
+fn rows_past_the_cache_are_the_same_wherever_they_begin() {
+    // With tiles that wait for the next one, and with larger ones.
+    let large = Family {
+        links: (16, 20),
+        ..Family::default()
+    };
+    let large = (0..4).map(|seed| Mechanism::new(&large.robot(seed)).expect("valid"));
+    for (seed, robot) in large.chain(robots().take(36)).enumerate() {
+        for (samples, width) in SAMPLES.iter().flat_map(|&s| widths().map(move |w| (s, w))) {
+            let batch = Batch::random(&robot, samples, seed as u64);
+            let regressor = Regressor::new(&robot).with_width(width);
+            let model = Model::ALL[seed % 3];
+            let expected = rows(&regressor, model, &batch, samples);
+            let before = seed % 9;
+            let mut memory = vec![f64::NAN; before + expected.len() + 9];
+            let (head, out) = memory.split_at_mut(before);
+            let (out, tail) = out.split_at_mut(expected.len());
+            regressor
+                .fill_part(model, None, batch.states(), out, true)
+                .expect("valid");
+            assert!(same(out, &expected), "robot {seed}, {samples} samples");
+            assert!(head.iter().chain(&*tail).all(|x| x.is_nan()));
+        }
+    }
+}
+
+#[test]
 fn chosen_columns_and_packed_tiles_are_those_of_all_columns() {
     for (seed, robot) in robots().enumerate().take(40) {
         let samples = SAMPLES[seed % SAMPLES.len()];

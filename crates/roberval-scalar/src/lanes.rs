@@ -94,10 +94,14 @@ pub trait Lanes: Lift<f64> + Debug + Send + Sync + 'static {
         to.fill(0.0);
     }
 
-    /// Copies past the cache: for results that are larger than it.
+    /// Copies past the cache, for results that are larger than it, if `to` begins where lanes
+    /// do (a multiple of their size). Call [`Lanes::fence`] after the last copy.
     fn stream(from: &[f64], to: &mut [f64]) {
         to.copy_from_slice(from);
     }
+
+    /// Ends what was copied past the cache, so that other threads see it.
+    fn fence() {}
 }
 
 /// Work that is written for any lanes.

@@ -161,6 +161,7 @@ impl Task for Copy<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
         V::stream(self.0, self.1);
+        V::fence();
     }
 }
 

@@ -240,18 +240,24 @@ macro_rules! lanes {
 
             #[inline(always)]
             fn stream(from: &[f64], to: &mut [f64]) {
-                let (head, body) = aligned(to, 8 * $count);
-                let (from_head, from_body) = from.split_at(head.len());
-                head.copy_from_slice(from_head);
-                let mut lines = body.chunks_exact_mut($count);
-                let mut from_lines = from_body.chunks_exact($count);
+                assert_eq!(from.len(), to.len(), "a number for each place");
+                if to.as_ptr().align_offset(8 * $count) != 0 {
+                    return to.copy_from_slice(from);
+                }
+                let mut lines = to.chunks_exact_mut($count);
+                let mut from_lines = from.chunks_exact($count);
                 for (line, from) in lines.by_ref().zip(from_lines.by_ref()) {
                     // SAFETY: `line` is aligned and has COUNT numbers.
                     unsafe { $stream(line.as_mut_ptr(), Self::load(from).0) }
                 }
-                lines
-                    .into_remainder()
-                    .copy_from_slice(from_lines.remainder());
+                let rest = from_lines.remainder();
+                for (to, from) in lines.into_remainder().iter_mut().zip(rest) {
+                    *to = *from;
+                }
+            }
+
+            #[inline(always)]
+            fn fence() {
                 // SAFETY: a fence touches nothing.
                 unsafe { _mm_sfence() }
             }
