@@ -1,5 +1,7 @@
 # Recipes for work on roberval; `just` lists them.
 
+arm := "-p roberval-scalar -p roberval-regressor -p roberval-reduce -p roberval-linalg -p roberval-base"
+
 # List the recipes.
 default:
     @just --list
@@ -11,6 +13,12 @@ develop:
 # Rust's tests.
 test-rust *arguments:
     cargo test --workspace {{arguments}}
+
+# The lanes of 64-bit ARM, under emulation: needs that target of Rust, gcc-aarch64-linux-gnu, qemu-user.
+test-arm *arguments:
+    CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc \
+    CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64 -L /usr/aarch64-linux-gnu" \
+    cargo test --target aarch64-unknown-linux-gnu {{arm}} {{arguments}}
 
 # Python's tests, against what `just develop` built.
 test-python *arguments:
