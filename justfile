@@ -1,7 +1,5 @@
 # Recipes for work on roberval; `just` lists them.
 
-arm := "-p roberval-scalar -p roberval-regressor -p roberval-reduce -p roberval-linalg -p roberval-base"
-
 # List the recipes.
 default:
     @just --list
@@ -18,7 +16,8 @@ test-rust *arguments:
 test-arm *arguments:
     CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc \
     CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64 -L /usr/aarch64-linux-gnu" \
-    cargo test --target aarch64-unknown-linux-gnu {{arm}} {{arguments}}
+    cargo test --target aarch64-unknown-linux-gnu -p roberval-scalar -p roberval-regressor \
+        -p roberval-reduce -p roberval-linalg {{arguments}}
 
 # Python's tests, against what `just develop` built.
 test-python *arguments:
