@@ -112,6 +112,109 @@ fn fused_lanes_of_all_widths_give_the_same_bits() {
     assert!(fused.windows(2).all(|pair| pair[0] == pair[1]));
 }
 
+/// What the other operations give on pairs of numbers, each with the other.
+struct Operations<'a>([&'a [f64]; 2]);
+
+impl Task for Operations<'_> {
+    type Output = Vec<[f64; 11]>;
+
+    #[inline(always)]
+    fn run<V: Lanes>(self) -> Self::Output {
+        let mut out = Vec::new();
+        let [x, y] = self.0.map(|numbers| numbers.chunks_exact(V::COUNT));
+        for (x, y) in x.zip(y) {
+            let (x, y) = (V::load(x), V::load(y));
+            let zero = if x.is_zero() { 1.0 } else { 0.0 };
+            let results = [
+                x + y,
+                x - y,
+                x * y,
+                -x,
+                x.divide(y),
+                x.sqrt(),
+                x.with_sign_of(y),
+                x.where_nonzero(y),
+                x.neg_mul_add(y, y),
+                -(x.mul_add(y, y)),
+                V::lift(zero),
+            ]
+            .map(|result| {
+                let mut lanes = [0.0; 8];
+                result.store(&mut lanes);
+                lanes
+            });
+            out.extend((0..V::COUNT).map(|lane| results.map(|lanes| lanes[lane])));
+        }
+        out
+    }
+}
+
+#[test]
+fn operations_of_lanes_are_those_of_floats_to_the_sign_of_zero() {
+    let numbers = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        f64::MIN_POSITIVE / 4.0,
+        f64::INFINITY,
+        -f64::INFINITY,
+        f64::NAN,
+    ];
+    // Compilers have made sums of negatives of the negative of a fused sum.
+    let opposite = |x: f64| f64::from_bits(std::hint::black_box(x).to_bits() ^ (1 << 63));
+    // A NaN's sign and payload are the processor's.
+    let bits = |x: f64| if x.is_nan() { u64::MAX } else { x.to_bits() };
+    for (x, y) in numbers.iter().flat_map(|x| numbers.map(|y| (*x, y))) {
+        let expected = [
+            x + y,
+            x - y,
+            x * y,
+            -x,
+            x / y,
+            x.sqrt(),
+            x.copysign(y),
+            if y == 0.0 { 0.0 } else { x },
+            (-x).mul_add(y, y),
+            opposite(x.mul_add(y, y)),
+            f64::from(x == 0.0),
+        ]
+        .map(bits);
+        for width in widths().filter(|width| *width > Width::Plain) {
+            for found in dispatch(width, Operations([&[x; 8], &[y; 8]])) {
+                assert_eq!(found.map(bits), expected, "{width:?} of {x} and {y}");
+            }
+        }
+    }
+}
+
+#[test]
+fn lanes_are_zero_if_each_is() {
+    for (at, other) in (0..8).flat_map(|at| [1.0, f64::NAN].map(|other| (at, other))) {
+        let mut numbers = [0.0; 8];
+        numbers[at] = other;
+        for width in widths() {
+            let found = dispatch(width, Operations([&numbers, &numbers]));
+            let flags = found.iter().map(|of| of[10] == 1.0);
+            let expected = (0..8).map(|k| k / width.lanes() != at / width.lanes());
+            assert!(flags.eq(expected), "{width:?}: {other} at {at}");
+        }
+    }
+}
+
+#[test]
+fn the_widest_lanes_are_those_that_the_processor_is_known_to_have() {
+    if cfg!(target_arch = "aarch64") {
+        assert!(Width::Two.is_available() && Width::narrow() == Width::One);
+        assert!(!Width::Four.is_available() && !Width::Eight.is_available());
+    } else {
+        assert!(!Width::Two.is_available());
+    }
+    if std::env::var_os("ROBERVAL_LANES").is_none() {
+        assert_eq!(Some(Width::best()), widths().last());
+    }
+}
+
 /// Takes an 8 x 8 table apart in blocks and puts its transpose together.
 struct Transpose<'a>(&'a [f64]);
 
@@ -149,6 +252,41 @@ fn blocks_are_transposed_and_back() {
         let out = dispatch(width, Transpose(&table));
         for (at, x) in out.iter().enumerate() {
             assert_eq!(*x, table[at % 8 * 8 + at / 8], "{width:?}");
+        }
+    }
+}
+
+/// Whether each of an 8 x 8 table's blocks is found to be finite.
+struct Finite<'a>(&'a [f64]);
+
+impl Task for Finite<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<V: Lanes>(self) -> bool {
+        let mut block = [V::lift(0.0); 8];
+        let mut none = V::lift(0.0);
+        for (i, j) in (0..64).map(|k| (k / 8, k % 8)) {
+            if i % V::COUNT == 0 && j % V::COUNT == 0 {
+                none = none + V::load_transposed(&self.0[8 * i + j..], 8, &mut block);
+            }
+        }
+        none.is_zero()
+    }
+}
+
+#[test]
+fn transposing_finds_any_number_that_is_not_finite() {
+    for width in widths() {
+        let table: Vec<f64> = (0..64).map(|k| f64::from(k) - 31.5).collect();
+        assert!(dispatch(width, Finite(&table)), "{width:?}");
+        for (at, other) in (0..64).flat_map(|at| [f64::INFINITY, f64::NAN].map(|x| (at, x))) {
+            let mut table = table.clone();
+            table[at] = other;
+            assert!(
+                !dispatch(width, Finite(&table)),
+                "{width:?}: {other} at {at}"
+            );
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Lanes of 64-bit ARM, whose processors all have NEON and fused arithmetic.
 //!
-//! Unsafe because intrinsics are; what they need is in every such processor.
+//! What the intrinsics need is in every such processor: unsafe are only those that take a
+//! pointer, and the blocks around the others are there for x86, whose macro they share.
 #![allow(unsafe_code, unused_unsafe)]
 
 use std::arch::aarch64::*;
@@ -9,7 +10,7 @@ use super::arithmetic::arithmetic;
 use super::fused::Fused;
 use super::trigonometry::{self, Quadrants};
 use super::{Lanes, Task, Width};
-use crate::Lift;
+use crate::{Lift, Scalar};
 
 pub(super) fn available(width: Width) -> bool {
     matches!(width, Width::Plain | Width::One | Width::Two)
@@ -17,14 +18,20 @@ pub(super) fn available(width: Width) -> bool {
 
 pub(super) fn dispatch<T: Task>(width: Width, task: T) -> T::Output {
     match width {
-        Width::Two => task.run::<F64x2>(),
-        Width::One => task.run::<Fused>(),
-        _ => task.run::<f64>(),
+        Width::Two => run::<F64x2, T>(task),
+        Width::One => run::<Fused, T>(task),
+        _ => run::<f64, T>(task),
     }
 }
 
 pub(super) fn dispatch_one<T: Task>(task: T) -> T::Output {
-    task.run::<Fused>()
+    run::<Fused, T>(task)
+}
+
+/// Each width is a function of its own, as on x86: all in one would share its registers' spills.
+#[inline(never)]
+fn run<V: Lanes, T: Task>(task: T) -> T::Output {
+    task.run::<V>()
 }
 
 macro_rules! neg2 {
@@ -112,6 +119,29 @@ impl Lanes for F64x2 {
     fn sin_cos(self) -> (Self, Self) {
         trigonometry::sin_cos(self)
     }
+
+    #[inline(always)]
+    fn load_transposed(from: &[f64], stride: usize, to: &mut [Self]) -> Self {
+        let rows = [Self::load(from), Self::load(&from[stride..])];
+        to[..2].copy_from_slice(&transposed(rows));
+        let zero = Self::lift(0.0);
+        rows[1].mul_add(zero, rows[0] * zero)
+    }
+
+    #[inline(always)]
+    fn store_transposed(stage: &[Self], sources: &[u32], to: &mut [f64], stride: usize) {
+        let columns = [stage[sources[0] as usize], stage[sources[1] as usize]];
+        let rows = transposed(columns);
+        rows[0].store(to);
+        rows[1].store(&mut to[stride..]);
+    }
+}
+
+/// The transpose of 2 rows.
+#[inline(always)]
+fn transposed([a, b]: [F64x2; 2]) -> [F64x2; 2] {
+    // SAFETY: see the module.
+    unsafe { [F64x2(vzip1q_f64(a.0, b.0)), F64x2(vzip2q_f64(a.0, b.0))] }
 }
 
 impl Quadrants for F64x2 {
