@@ -233,7 +233,8 @@ def test_out_may_share_memory_with_the_states(
     given = list(states)
     given[argument] = memory[first : first + N * n].reshape(N, n)
     given[argument][:] = states[argument]
-    assert (puma.regressor(*given, out=memory.reshape(N, n, C)) == expected).all()
+    q, qd, qdd = given
+    assert (puma.regressor(q, qd, qdd, out=memory.reshape(N, n, C)) == expected).all()
 
 
 def test_torques_may_take_the_place_of_the_states(puma: rv.Robot, states: States) -> None:
@@ -241,7 +242,8 @@ def test_torques_may_take_the_place_of_the_states(puma: rv.Robot, states: States
     expected = puma.torques(*states, X)
     for argument in range(3):
         given = [array.copy() for array in states]
-        assert (puma.torques(*given, X, out=given[argument]) == expected).all()
+        q, qd, qdd = given
+        assert (puma.torques(q, qd, qdd, X, out=given[argument]) == expected).all()
 
 
 def test_parameters_in_any_form_give_the_same_torques(puma: rv.Robot, states: States) -> None:

@@ -47,8 +47,8 @@ pub(crate) struct Plan {
     pub width: Width,
     /// Lane vectors of all segments' tiles; one more place takes what nobody asked for.
     pub tile: usize,
-    /// The place of each of the packed numbers of a sample.
-    pub slots: Vec<Place>,
+    /// Where each of the packed numbers goes, group after group.
+    slots: Vec<u32>,
     /// Whether there are places that no number goes to: zeros.
     pub holes: bool,
     /// Whether there is friction.
@@ -103,9 +103,11 @@ impl Plan {
             groups: GROUPS,
             width: regressor.width(),
             tile: places.trash.of(0),
-            slots: entries
-                .iter()
-                .map(|&(row, column)| places.of(ids[column], row))
+            slots: (0..GROUPS)
+                .flat_map(|group| {
+                    let place = |&(row, column)| places.of(ids[column], row).of(group) as u32;
+                    entries.iter().map(place).collect::<Vec<_>>()
+                })
                 .collect(),
             holes: layout.is_full(),
             rubs,
@@ -121,6 +123,13 @@ impl Plan {
     /// Rows of a sample.
     pub(crate) fn n(&self) -> usize {
         self.widths[1]
+    }
+
+    /// Where the packed numbers of a group go.
+    #[inline(always)]
+    pub(crate) fn slots(&self, group: usize) -> &[u32] {
+        let count = self.slots.len() / self.groups;
+        &self.slots[group * count..][..count]
     }
 
     /// Samples in a tile.

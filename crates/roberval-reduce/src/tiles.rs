@@ -136,8 +136,7 @@ impl Task for Absorb<'_> {
                 for group in 0..plan.groups {
                     let at = group * LEAVES + leaf;
                     let mut to = TileRowsOf {
-                        plan,
-                        group,
+                        slots: plan.slots(group),
                         tile: &mut tile,
                     };
                     rows.run(regressor, &states, at, &mut to);
@@ -217,17 +216,16 @@ fn transpose<V: Lanes>(table: &[f64], n: usize, [at, first]: [usize; 2], to: &mu
 
 /// Writes packed numbers to their places in the tile.
 struct TileRowsOf<'a, V> {
-    plan: &'a Plan,
-    group: usize,
+    slots: &'a [u32],
     tile: &'a mut [V],
 }
 
 impl<V: Lanes> Slots<V> for TileRowsOf<'_, V> {
     #[inline(always)]
     fn put(&mut self, first: usize, numbers: &[V]) {
-        let targets = &self.plan.slots[first..first + numbers.len()];
+        let targets = &self.slots[first..first + numbers.len()];
         for (target, x) in targets.iter().zip(numbers) {
-            self.tile[target.of(self.group)] = *x;
+            self.tile[*target as usize] = *x;
         }
     }
 }
