@@ -47,7 +47,7 @@ LIMBS = (
     ("3_3", 5, 7),
     ("3_3", 6, 1),
 )
-ROUNDS = 25
+ROUNDS = 15
 LARGE = 100_000
 CACHED = 5 * 2**17
 """Bytes of a batch's result that stay in a second cache of 1 MiB, beside the states."""
