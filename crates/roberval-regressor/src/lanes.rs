@@ -242,10 +242,10 @@ fn write<V: Lanes>(
         with_zero(&mut projected, slots);
     }
     let whole = V::COUNT * length;
-    let mut buffer = Buffer::<V>::new(&mut rows, whole, stream, out.len());
+    let mut buffer = Buffer::<V>::new(&mut rows, [whole, out.len()], stream, steps);
     for (tile, out) in out.chunks_mut(whole).enumerate() {
         let direct = out.len() == whole && !stream;
-        let (near, mut past) = buffer.next(steps);
+        let (near, mut past) = buffer.next();
         let to = if direct { &mut *out } else { near };
         let first = tile * V::COUNT;
         match form {

@@ -16,19 +16,19 @@ pub(crate) struct Past<'a, V> {
 }
 
 impl<'a, V: Lanes> Past<'a, V> {
-    /// The first of the rows, to be written in so many steps.
+    /// The first of the rows, so many numbers at a time.
     #[inline(always)]
-    pub(crate) fn new(rows: &'a [f64], to: &'a mut [f64], steps: usize) -> Self {
+    fn new(rows: &'a [f64], to: &'a mut [f64], step: usize) -> Self {
         let head = to.as_ptr().align_offset(size_of::<V>()).min(to.len());
         let (from, _) = rows.split_at(to.len());
         let (to_head, to) = to.split_at_mut(head);
         let (from_head, from) = from.split_at(head);
         to_head.copy_from_slice(from_head);
         Self {
-            step: to.len().div_ceil(steps.max(1)).next_multiple_of(V::COUNT),
-            lanes: PhantomData,
             from,
             to,
+            step,
+            lanes: PhantomData,
         }
     }
 
@@ -68,12 +68,20 @@ pub(crate) struct Buffer<'a, V: Lanes> {
     /// Where the rows of the tile before belong, if they have not gone yet.
     waiting: &'a mut [f64],
     stream: bool,
+    /// Numbers that go past the cache at a time.
+    step: usize,
     lanes: PhantomData<V>,
 }
 
 impl<'a, V: Lanes> Buffer<'a, V> {
-    /// Room for tiles of `whole` numbers, `count` in all.
-    pub(crate) fn new(rows: &'a mut Vec<f64>, whole: usize, stream: bool, count: usize) -> Self {
+    /// Room for tiles of `whole` numbers, `count` in all. Those that go past the cache do so in
+    /// so many steps.
+    pub(crate) fn new(
+        rows: &'a mut Vec<f64>,
+        [whole, count]: [usize; 2],
+        stream: bool,
+        steps: usize,
+    ) -> Self {
         let two = if stream && whole <= NEAR { 2 } else { 1 };
         rows.resize(rows.len().max(two * whole), 0.0);
         let rows = &mut rows[..two * whole];
@@ -86,14 +94,15 @@ impl<'a, V: Lanes> Buffer<'a, V> {
             before,
             waiting: &mut [],
             stream,
+            step: whole.div_ceil(steps.max(1)).next_multiple_of(V::COUNT),
             lanes: PhantomData,
         }
     }
 
     /// Room for the rows of the next tile, and those that go past the cache meanwhile.
     #[inline(always)]
-    pub(crate) fn next(&mut self, steps: usize) -> (&mut [f64], Past<'_, V>) {
-        let past = Past::new(self.before, mem::take(&mut self.waiting), steps);
+    pub(crate) fn next(&mut self) -> (&mut [f64], Past<'_, V>) {
+        let past = Past::new(self.before, mem::take(&mut self.waiting), self.step);
         (self.now, past)
     }
 
@@ -103,7 +112,7 @@ impl<'a, V: Lanes> Buffer<'a, V> {
         if !self.stream {
             out.copy_from_slice(&self.now[..out.len()]);
         } else if self.before.is_empty() {
-            Past::<V>::new(self.now, out, 1).finish();
+            Past::<V>::new(self.now, out, self.step).finish();
         } else {
             mem::swap(&mut self.now, &mut self.before);
             self.waiting = out;
@@ -113,7 +122,7 @@ impl<'a, V: Lanes> Buffer<'a, V> {
     /// Takes the last rows to their place.
     #[inline(always)]
     pub(crate) fn finish(mut self) {
-        let (_, past) = self.next(1);
+        let (_, past) = self.next();
         past.finish();
     }
 }
