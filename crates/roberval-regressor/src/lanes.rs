@@ -229,6 +229,7 @@ fn write<V: Lanes>(
     (form, stream): (Form<'_>, bool),
     out: &mut [f64],
 ) -> Result<(), Fault> {
+    let stream = stream && V::STREAMS;
     let projection = robot.projection.filter(|_| model != Model::H);
     let (slots, length, steps) = match form {
         Form::Rows(export) => (export.slots(), export.len(), export.steps::<V>()),
@@ -271,7 +272,8 @@ fn write<V: Lanes>(
                     Form::Rows(export) if V::COUNT == 1 => {
                         export.write_one(V::numbers(stage), to);
                     }
-                    Form::Rows(export) => export.write(stage, to, !direct, &mut past),
+                    Form::Rows(export) if stream => export.write(stage, to, true, || past.step()),
+                    Form::Rows(export) => export.write(stage, to, !direct, || ()),
                 }
             }
         }

@@ -6,7 +6,6 @@ use std::ops::Range;
 use roberval_mechanism::ParameterSpace;
 use roberval_scalar::Lanes;
 
-use crate::past::Past;
 use crate::{
     DynamicsWorkspace, EnergyWorkspace, Model, Sink, Transmission, Tree, dynamics, energy,
 };
@@ -369,15 +368,15 @@ impl Export {
     }
 
     /// Writes the samples of a tile, one after the other. `stage` has a zero after its
-    /// slots; what is zero for every state is left alone if it is so already. Each
-    /// block is a step of `past`.
+    /// slots; what is zero for every state is left alone if it is so already. Calls
+    /// `meanwhile` after each block.
     #[inline(always)]
     pub(crate) fn write<V: Lanes>(
         &self,
         stage: &[V],
         out: &mut [f64],
         cleared: bool,
-        past: &mut Past<'_, V>,
+        mut meanwhile: impl FnMut(),
     ) {
         let length = self.len();
         let mut done = 0;
@@ -389,7 +388,7 @@ impl Export {
             for first in (range.start..whole).step_by(V::COUNT) {
                 let sources = &self.sources[first..first + V::COUNT];
                 V::store_transposed(stage, sources, &mut out[first..], length);
-                past.step();
+                meanwhile();
             }
             for at in whole..range.end {
                 let mut numbers = [0.0; BLOCK];

@@ -35,6 +35,9 @@ pub trait Lanes: Lift<f64> + Debug + Send + Sync + 'static {
     /// How many of them the processor has registers for.
     const REGISTERS: usize = 16;
 
+    /// Whether [`Lanes::stream`] goes past the cache: elsewhere it is a copy.
+    const STREAMS: bool = false;
+
     /// The first `COUNT` numbers.
     fn load(from: &[f64]) -> Self;
 

@@ -132,6 +132,7 @@ macro_rules! lanes {
         impl Lanes for $name {
             const COUNT: usize = $count;
             const REGISTERS: usize = $registers;
+            const STREAMS: bool = true;
 
             #[inline(always)]
             fn load(from: &[f64]) -> Self {
