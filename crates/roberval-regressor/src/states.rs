@@ -103,17 +103,19 @@ impl States<'_> {
         first: usize,
         (positions, velocities): (usize, usize),
     ) -> Option<RegressorError> {
-        let mut arrays = self.arrays(positions, velocities).into_iter();
-        arrays.find_map(|(array, values, width)| {
+        let arrays = self.arrays(positions, velocities).into_iter();
+        let faults = arrays.filter_map(|(array, values, width)| {
             let mut rest = values[first * width..].iter();
             let at = first * width + rest.position(|x| !x.is_finite())?;
-            Some(RegressorError::NotFinite {
+            let error = RegressorError::NotFinite {
                 array,
                 sample: at / width,
                 joint: at % width,
                 value: values[at],
-            })
-        })
+            };
+            Some((at / width, error))
+        });
+        faults.min_by_key(|fault| fault.0).map(|fault| fault.1)
     }
 
     /// The number of samples N, all finite.
