@@ -13,6 +13,7 @@ import numpy.typing as npt
 import pytest
 import roberval as rv
 from conftest import States, random_states
+from roberval import arrays
 
 Array = npt.NDArray[Any]
 
@@ -155,6 +156,24 @@ def test_the_bad_sample_is_named_far_into_the_data(puma: rv.Robot) -> None:
     bad[4321, 2] = np.nan
     with pytest.raises(rv.ArrayError, match=re.escape("qd[4321, 2] is NaN")):
         puma.regressor(q, bad, q)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_the_first_bad_sample_is_named_whatever_its_array(puma: rv.Robot, threads: int) -> None:
+    q, qd, qdd = random_states(puma, 6000)
+    q[3000, 1], qdd[0, 3] = np.nan, np.inf
+    with pytest.raises(rv.ArrayError, match=r"qdd\[0, 3\] is inf"):
+        puma.regressor(q, qd, qdd, threads=threads)
+
+
+def test_no_room_is_made_for_states_that_do_not_fit(puma: rv.Robot) -> None:
+    q = np.zeros((2, 6))
+    made = arrays.room((q, q, q), (6, 6), (6, 66))
+    assert made is not None
+    assert made.shape == (2, 6, 66)
+    single = q.astype("f4")
+    for states in [(q, q[0], q), (q, None, q), (single,) * 3, (q[None],) * 3, (q[:, 1:],) * 3]:
+        assert arrays.room(states, (6, 6), (6, 66)) is None
 
 
 def test_models_say_which_states_they_need(puma: rv.Robot) -> None:

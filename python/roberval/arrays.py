@@ -80,11 +80,17 @@ def states(q: npt.ArrayLike, qd: npt.ArrayLike, qdd: npt.ArrayLike, nq: int, n: 
     return States(q, qd, qdd, arrays[0].shape[:-1])
 
 
-def room(q: npt.ArrayLike, nq: int, size: tuple[int, ...]) -> Array | None:
-    """Return a new array for `size` numbers a state, if q is an array of such states."""
-    if type(q) is not np.ndarray or q.shape[-1:] != (nq,):
-        return None
-    return np.empty((*q.shape[:-1], *size))
+def room(
+    states: tuple[object, object, object], widths: tuple[int, int], size: tuple[int, ...]
+) -> Array | None:
+    """Return a new array for `size` numbers a state, if the states are plain arrays that fit."""
+    for array, width in zip(states, (*widths, widths[1]), strict=True):
+        if type(array) is not np.ndarray or array.dtype is not _FLOAT:
+            return None
+        if array.ndim > 2 or array.shape[-1:] != (width,):
+            return None
+    lead = {array.shape[:-1] for array in states}  # type: ignore[attr-defined]
+    return np.empty((*lead.pop(), *size)) if len(lead) == 1 else None
 
 
 def output(out: Array | None, shape: tuple[int, ...]) -> Array:

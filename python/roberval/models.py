@@ -148,7 +148,7 @@ class Models(Description):
         width = len(self._labels) if columns is None else columns[1]
         size = (width,) if model == "h" else (self.n, width)
         if out is None:
-            out = arrays.room(q, self.nq, size)
+            out = arrays.room((q, qd, qdd), (self.nq, self.n), size)
             if out is not None and self._inner.regressor(model, chosen, q, qd, qdd, out, threads):
                 return out
         states = self._states(model, q, qd, qdd)
@@ -207,7 +207,7 @@ class Models(Description):
         """
         threads = arrays.thread_count(threads)
         if out is None:
-            out = arrays.room(q, self.nq, (self.n,))
+            out = arrays.room((q, qd, qdd), (self.nq, self.n), (self.n,))
         if out is not None and self._inner.torques(X, q, qd, qdd, out, threads):
             return out
         x = self._standard_parameters(X)

@@ -1,17 +1,18 @@
 //! The memory of NumPy arrays for the microseconds in which no other code of Python runs.
 //!
 //! Borrowing four arrays from the register that extensions share takes 200 ns, as much as
-//! one state of a robot. While the global lock is held and nothing writes without it, there
-//! is nobody to ask.
+//! one state of a robot. While the global lock is held and nothing of ours writes without it,
+//! there is nobody to ask: what others do to arrays without the lock, no function of NumPy is
+//! safe from.
 #![allow(unsafe_code)]
 
 use std::slice::{from_raw_parts, from_raw_parts_mut};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use numpy::npyffi::NPY_ARRAY_WRITEABLE;
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::sync::PyOnceLock;
 
 /// An array of floats that is contiguous and aligned.
 pub type Plain<'a, 'py> = &'a Bound<'py, PyArrayDyn<f64>>;
@@ -39,30 +40,31 @@ impl Drop for Writer {
 /// those to write. None, and nothing done, where the arrays have to be borrowed: they
 /// overlap, or others write, or there is no global lock.
 pub fn at_once<T>(
-    py: Python<'_>,
     read: [Plain<'_, '_>; 3],
     out: Plain<'_, '_>,
     work: impl FnOnce([&[f64]; 3], &mut [f64]) -> T,
 ) -> Option<T> {
     let apart = read.iter().all(|array| disjoint(array, out));
-    let alone = WRITERS.load(Ordering::Relaxed) == 0 && locked(py);
+    let alone = WRITERS.load(Ordering::Relaxed) == 0 && has_lock();
     // SAFETY: an array object lives as long as its reference.
     let writeable = unsafe { (*out.as_array_ptr()).fields.flags } & NPY_ARRAY_WRITEABLE != 0;
-    if !(apart && alone && writeable && read.iter().all(|array| plain(array)) && plain(out)) {
+    let sound = |array: Plain<'_, '_>| is_plain(array) && !array.is_empty();
+    if !(apart && alone && writeable && read.iter().all(|array| sound(array)) && sound(out)) {
         return None;
     }
     // SAFETY: the arrays are contiguous, aligned and not empty, so that each is `len` floats
     // from `data` on. The one to write is writeable and shares no byte with the others.
-    // They live and nobody else looks at them until the slices are gone: the global lock is
-    // held, `work` has no token to release it with, and no call writes without it.
+    // They live until the slices are gone: the global lock is held, `work` has no token to
+    // release it with, and none of our calls writes without it. That others write to an array
+    // in use without the lock is a race that NumPy forbids its users.
     let of = |array: Plain<'_, '_>| unsafe { from_raw_parts(array.data(), array.len()) };
     let to = unsafe { from_raw_parts_mut(out.data(), out.len()) };
     Some(work(read.map(of), to))
 }
 
-/// Whether an array is as [`Plain`] says, and not empty.
-fn plain(array: Plain<'_, '_>) -> bool {
-    array.is_c_contiguous() && array.is_aligned() && !array.is_empty()
+/// Whether an array is as [`Plain`] says.
+pub fn is_plain(array: Plain<'_, '_>) -> bool {
+    array.is_c_contiguous() && array.is_aligned()
 }
 
 /// Whether two contiguous arrays share no byte.
@@ -75,13 +77,8 @@ fn disjoint(a: Plain<'_, '_>, b: Plain<'_, '_>) -> bool {
     past_a <= b || past_b <= a
 }
 
-/// Whether this Python has a global lock.
-fn locked(py: Python<'_>) -> bool {
-    static LOCKED: PyOnceLock<bool> = PyOnceLock::new();
-    *LOCKED.get_or_init(py, || {
-        let asked = py
-            .import("sys")
-            .and_then(|sys| sys.call_method0("_is_gil_enabled")?.extract());
-        asked.unwrap_or(true) // before Python 3.13 there always was one
-    })
+/// Whether this Python is one with a global lock.
+fn has_lock() -> bool {
+    static LOCK: OnceLock<bool> = OnceLock::new();
+    *LOCK.get_or_init(|| !Python::version_str().contains("free-threading"))
 }

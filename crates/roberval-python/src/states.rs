@@ -78,8 +78,7 @@ fn plain<'a, 'py>(
     shape: impl Fn(&[usize]) -> bool,
 ) -> Option<Plain<'a, 'py>> {
     let array = array.cast_exact::<PyArrayDyn<f64>>().ok()?;
-    let fits = array.is_c_contiguous() && array.is_aligned() && shape(array.shape());
-    fits.then_some(array)
+    (memory::is_plain(array) && shape(array.shape())).then_some(array)
 }
 
 /// The array that is to be filled, if it is one of this shape.
@@ -125,7 +124,7 @@ impl<'a, 'py> PlainStates<'a, 'py> {
     ) -> PyResult<bool> {
         if !target.slow && self.qd.len() <= QUICK {
             let states = [self.q, self.qd, self.qdd];
-            let filled = memory::at_once(py, states, target.out, |[q, qd, qdd], out| {
+            let filled = memory::at_once(states, target.out, |[q, qd, qdd], out| {
                 let past_cache = size_of_val(out) > STREAM_BYTES;
                 caught(|| fill(States { q, qd, qdd }, out, past_cache))
             });
