@@ -3,7 +3,7 @@ use roberval_scalar::{Lift, Scalar};
 
 use crate::forces::Forces;
 use crate::frame::{Frame, General, Near, Placing, Right, with_frame};
-use crate::layout::ordered;
+use crate::layout::{Layout, ordered};
 use crate::vector::{Mat3, Vec3, lift3, negative};
 use crate::{BaseState, Body, Constants, JointMotion, Sink, Tree};
 
@@ -30,28 +30,59 @@ pub(crate) struct Screw<T> {
     pub v: Vec3<T>,
 }
 
-/// A moving joint on a body's path to the base.
+/// A moving joint on a body's path to the base, and its unit velocity.
 #[derive(Debug, Clone, Copy)]
-struct Ancestor {
+struct Ancestor<T> {
     /// Joint variable: the row of the regressor.
     row: usize,
     /// Whether it is prismatic, its screw then without e.
     slides: bool,
+    screw: Screw<T>,
 }
 
 /// A body in motion.
 #[derive(Debug, Clone)]
 struct Link<T> {
     placing: Placing<T>,
+    antecedent: Option<usize>,
     state: BodyState<T>,
     /// The joints of its path from the base, its own last.
-    path: Vec<Ancestor>,
-    /// Their screws.
-    screws: Vec<Screw<T>>,
+    path: Vec<Ancestor<T>>,
     /// How many of them are inherited and lie in any way.
     far: usize,
-    /// The row of its own joint, if it has an axis.
-    row: Option<usize>,
+    own: Own,
+    /// The squared length of its joint's axis, if there is an Ia column.
+    rotor: Option<T>,
+    /// Whether there are no columns at all.
+    massless: bool,
+    /// Whether another body hangs on it.
+    carries: bool,
+}
+
+/// How a body's own joint lies in its frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Own {
+    /// Along its screw, which may slide.
+    Any,
+    /// About the last axis or against it.
+    Last { opposite: bool },
+    /// The same, and there is no other velocity: the body hangs on the resting base.
+    Alone { opposite: bool },
+}
+
+impl Own {
+    fn of<C>(body: &Body<C>) -> Self {
+        match (body.joint, body.layout) {
+            (JointKind::Revolute, Layout::Aligned(aligned)) => {
+                let opposite = aligned.reversed;
+                match body.antecedent {
+                    None => Self::Alone { opposite },
+                    Some(_) => Self::Last { opposite },
+                }
+            }
+            _ => Self::Any,
+        }
+    }
 }
 
 /// Working memory of [`dynamics`], made once for a tree.
@@ -70,7 +101,11 @@ impl<T: Scalar> DynamicsWorkspace<T> {
         let mut links: Vec<Link<T>> = Vec::with_capacity(tree.bodies.len());
         for (body, placing) in tree.bodies.iter().zip(Placing::of(tree)) {
             let antecedent = body.antecedent.map(|a| &links[a]);
-            links.push(Link::new(tree, body, placing, antecedent));
+            let link = Link::new(tree, body, placing, antecedent);
+            if let Some(a) = body.antecedent {
+                links[a].carries = true;
+            }
+            links.push(link);
         }
         Self { links }
     }
@@ -98,48 +133,65 @@ impl<T: Scalar> Link<T> {
     {
         let zero = [T::lift(tree.constants.zero); 3];
         let mut path = antecedent.map_or_else(Vec::new, |a| a.path.clone());
-        let mut screws = vec![Screw { e: zero, v: zero }; path.len()];
         let mut far = path.len() - usize::from(placing.near != Near::Any);
         if body.joint == JointKind::Floating {
-            unit_screws(zero, T::lift(tree.constants.one), &mut path, &mut screws);
+            unit_screws(zero, T::lift(tree.constants.one), &mut path);
             far = path.len();
         } else if let Some(row) = body.variable {
             let slides = body.joint == JointKind::Prismatic;
             let axis = ordered(&lift3(&body.axis), placing.order);
-            let (e, v) = if slides { (zero, axis) } else { (axis, zero) };
-            path.push(Ancestor { row, slides });
-            screws.push(Screw { e, v });
+            path.push(Ancestor::new(row, slides, zero, axis));
         }
         Self {
+            antecedent: body.antecedent,
             state: BodyState {
                 w: zero,
                 dw: zero,
                 a: zero,
                 u: [zero; 3],
             },
-            far,
-            row: body.variable.filter(|_| body.joint.has_axis()),
-            placing,
             path,
-            screws,
+            far,
+            own: Own::of(body),
+            rotor: body.rotor.then(|| T::lift(body.axis_squared)),
+            massless: body.massless,
+            carries: false,
+            placing,
         }
     }
 }
 
+impl<T: Scalar> Link<T> {
+    /// Keeps for the bodies that hang on it how it moves.
+    #[inline(always)]
+    fn keep(&mut self, state: &BodyState<T>, forces: &Forces<T>) {
+        if self.carries {
+            let &BodyState { w, dw, a, .. } = state;
+            self.state = BodyState {
+                w,
+                dw,
+                a,
+                u: forces.u,
+            };
+        }
+    }
+}
+
+impl<T: Scalar> Ancestor<T> {
+    /// The unit velocity along or about an axis through the body's origin.
+    fn new(row: usize, slides: bool, zero: Vec3<T>, axis: Vec3<T>) -> Self {
+        let (e, v) = if slides { (zero, axis) } else { (axis, zero) };
+        let screw = Screw { e, v };
+        Self { row, slides, screw }
+    }
+}
+
 /// The six unit velocities of a base that floats, along and about its axes.
-fn unit_screws<T: Scalar>(
-    zero: Vec3<T>,
-    one: T,
-    path: &mut Vec<Ancestor>,
-    screws: &mut Vec<Screw<T>>,
-) {
+fn unit_screws<T: Scalar>(zero: Vec3<T>, one: T, path: &mut Vec<Ancestor<T>>) {
     for row in 0..6 {
         let mut unit = zero;
         unit[row % 3] = one;
-        let slides = row < 3;
-        let (e, v) = if slides { (zero, unit) } else { (unit, zero) };
-        path.push(Ancestor { row, slides });
-        screws.push(Screw { e, v });
+        path.push(Ancestor::new(row, row < 3, zero, unit));
     }
 }
 
@@ -157,122 +209,144 @@ pub fn dynamics<C: Copy, T: Lift<C>>(
     workspace: &mut DynamicsWorkspace<T>,
     sink: &mut impl Sink<T>,
 ) {
+    let zero = T::lift(tree.constants.zero);
     let links = &mut workspace.links[..];
-    for (j, (body, motion)) in tree.bodies.iter().zip(motion).enumerate() {
+    for (j, motion) in motion.iter().enumerate() {
         let (before, from_here) = links.split_at_mut(j);
         let [link, ..] = from_here else { return };
-        if body.joint != JointKind::Floating {
-            let antecedent = body.antecedent.map(|a| &before[a]);
+        let mut state = link.state;
+        if link.placing.joint != JointKind::Floating {
+            let antecedent = link.antecedent.map(|a| &before[a]);
             let Link {
-                placing,
-                state,
-                path,
-                screws,
-                far,
-                ..
+                placing, path, far, ..
             } = link;
-            let (far, near) = screws.split_at_mut(*far);
-            let to = (state, &path[..], far, near);
-            with_frame!(
-                body, placing, motion, step, tree, body, motion, antecedent, to
+            let to = path.split_at_mut(*far);
+            state = with_frame!(
+                &tree.bodies[j],
+                placing,
+                motion,
+                step,
+                tree,
+                placing.joint,
+                antecedent,
+                to
             );
         }
-        let forces = Forces::of(&link.state);
-        link.state.u = forces.u;
-        if body.massless {
-            continue;
-        }
-        let body = (j, body, motion.qdd);
-        match link.placing.order {
-            0 => columns::<0, C, T>(tree, body, link, &forces, sink),
-            1 => columns::<1, C, T>(tree, body, link, &forces, sink),
-            _ => columns::<2, C, T>(tree, body, link, &forces, sink),
+        match link.own {
+            Own::Alone { opposite } => {
+                let forces = Forces::spinning(zero, &state);
+                link.keep(&state, &forces);
+                alone(zero, (j, link, opposite), &forces, motion.qdd, sink);
+            }
+            _ => {
+                let forces = Forces::of(&state);
+                link.keep(&state, &forces);
+                match link.placing.order {
+                    _ if link.massless => {}
+                    0 => on_path::<0, T>(zero, (j, link), motion.qdd, &forces, sink),
+                    1 => on_path::<1, T>(zero, (j, link), motion.qdd, &forces, sink),
+                    _ => on_path::<2, T>(zero, (j, link), motion.qdd, &forces, sink),
+                }
+            }
         }
     }
 }
 
-/// The columns of one body, its axes in this order.
+/// The columns of a body that turns about its last axis and about nothing else.
 #[inline(always)]
-fn columns<const ORDER: usize, C: Copy, T: Lift<C>>(
-    tree: &Tree<C>,
-    (j, body, qdd): (usize, &Body<C>, T),
-    link: &Link<T>,
+fn alone<T: Scalar>(
+    zero: T,
+    (j, link, opposite): (usize, &Link<T>, bool),
+    forces: &Forces<T>,
+    qdd: T,
+    sink: &mut impl Sink<T>,
+) {
+    if let ([own, ..], false) = (&link.path[..], link.massless) {
+        let columns = forces.on_last_axis(opposite, zero);
+        let columns = match link.placing.order {
+            0 => columns.in_order::<0>(),
+            1 => columns.in_order::<1>(),
+            _ => columns.in_order::<2>(),
+        };
+        sink.link(j, own.row, columns);
+        rotor((j, link), own.row, qdd, sink);
+    }
+}
+
+/// What the forces of a body do on the joints of its path, its axes in this order.
+#[inline(always)]
+fn on_path<const ORDER: usize, T: Scalar>(
+    zero: T,
+    (j, link): (usize, &Link<T>),
+    qdd: T,
     forces: &Forces<T>,
     sink: &mut impl Sink<T>,
 ) {
-    let zero = T::lift(tree.constants.zero);
-    let mut joints = link.path.iter().zip(&link.screws);
-    for (ancestor, screw) in joints.by_ref().take(link.far) {
-        let columns = match ancestor.slides {
-            false => forces.on_screw(screw),
-            true => forces.on_translation(zero, screw.v),
-        };
+    let (far, others) = link.path.split_at(link.far);
+    for ancestor in far {
+        let columns = forces.on_any(zero, ancestor.slides, &ancestor.screw);
         sink.link(j, ancestor.row, columns.in_order::<ORDER>());
     }
-    if let Some((ancestor, screw)) = joints.next() {
-        let row = ancestor.row;
-        match link.placing.near {
-            Near::Any => {}
-            Near::Crossed => {
-                let columns = forces.on_crossed(screw);
-                sink.link(j, row, columns.in_order::<ORDER>());
-            }
-            Near::Parallel { opposite } => {
-                let columns = forces.on_parallel(opposite, zero, screw);
-                sink.link(j, row, columns.in_order::<ORDER>());
-            }
-        }
+    let mut others = others.iter();
+    let near = match link.placing.near {
+        Near::Any => None,
+        near => others.next().map(|ancestor| (near, ancestor)),
+    };
+    if let Some((near, Ancestor { row, screw, .. })) = near {
+        let columns = match near {
+            Near::Parallel { opposite } => forces.on_parallel(opposite, zero, screw),
+            _ => forces.on_crossed(screw),
+        };
+        sink.link(j, *row, columns.in_order::<ORDER>());
     }
-    let Some(row) = link.row else { return };
-    let columns = forces.on_own_joint(body, zero);
-    sink.link(j, row, columns.in_order::<ORDER>());
-    if body.rotor {
-        sink.rotor(j, row, T::lift(body.axis_squared) * qdd);
+    let Some(own) = others.next() else { return };
+    let columns = match link.own {
+        Own::Any => forces.on_any(zero, own.slides, &own.screw),
+        Own::Last { opposite } | Own::Alone { opposite } => forces.on_last_axis(opposite, zero),
+    };
+    sink.link(j, own.row, columns.in_order::<ORDER>());
+    rotor((j, link), own.row, qdd, sink);
+}
+
+/// The Ia column, if there is one.
+#[inline(always)]
+fn rotor<T: Scalar>((j, link): (usize, &Link<T>), row: usize, qdd: T, sink: &mut impl Sink<T>) {
+    if let Some(squared) = link.rotor {
+        sink.rotor(j, row, squared * qdd);
     }
 }
 
-/// What moves with a link: its state, the joints of its path, and of their screws those that
-/// lie in any way and all others.
-type Moving<'a, T> = (
-    &'a mut BodyState<T>,
-    &'a [Ancestor],
-    &'a mut [Screw<T>],
-    &'a mut [Screw<T>],
-);
+/// Of the joints of a body's path those that lie in any way, and all others.
+type Path<'a, T> = (&'a mut [Ancestor<T>], &'a mut [Ancestor<T>]);
 
 /// One body: its motion and its path's screws, from the antecedent's.
 #[inline(always)]
 fn step<C: Copy, T: Lift<C>>(
     frame: &impl Frame<T>,
     tree: &Tree<C>,
-    body: &Body<C>,
-    motion: &JointMotion<T>,
+    joint: JointKind,
     antecedent: Option<&Link<T>>,
-    (state, path, far, near): Moving<'_, T>,
-) {
-    forward(
-        frame,
-        tree,
-        body,
-        motion,
-        antecedent.map(|a| &a.state),
-        state,
-    );
-    let Some(antecedent) = antecedent else { return };
-    for ((own, from), ancestor) in far.iter_mut().zip(&antecedent.screws).zip(path) {
-        let v = frame.take(&from.v);
-        if ancestor.slides {
-            own.v = frame.turn(v);
+    (far, near): Path<'_, T>,
+) -> BodyState<T> {
+    let state = forward(frame, tree, joint, antecedent.map(|a| &a.state));
+    let Some(antecedent) = antecedent else {
+        return state;
+    };
+    for (own, from) in far.iter_mut().zip(&antecedent.path) {
+        let v = frame.take(&from.screw.v);
+        if from.slides {
+            own.screw.v = frame.turn(v);
             continue;
         }
-        let e = frame.take(&from.e);
-        own.e = frame.turn(e);
-        own.v = frame.turn(frame.carry(v, e));
+        let e = frame.take(&from.screw.e);
+        own.screw.e = frame.turn(e);
+        own.screw.v = frame.turn(frame.carry(v, e));
     }
-    if let (true, [screw, ..]) = (frame.is_near(), near) {
+    if let (true, [near, ..]) = (frame.is_near(), near) {
         let Constants { zero, one, .. } = tree.constants;
-        (screw.e, screw.v) = frame.near(T::lift(zero), T::lift(one));
+        (near.screw.e, near.screw.v) = frame.near(T::lift(zero), T::lift(one));
     }
+    state
 }
 
 /// Velocities and accelerations from the antecedent's (Newton-Euler, outward).
@@ -280,11 +354,9 @@ fn step<C: Copy, T: Lift<C>>(
 fn forward<C: Copy, T: Lift<C>>(
     frame: &impl Frame<T>,
     tree: &Tree<C>,
-    body: &Body<C>,
-    motion: &JointMotion<T>,
+    joint: JointKind,
     parent: Option<&BodyState<T>>,
-    state: &mut BodyState<T>,
-) {
+) -> BodyState<T> {
     let zero = [T::lift(tree.constants.zero); 3];
     let (mut w, mut dw, mut a) = match parent {
         Some(parent) => (
@@ -297,8 +369,8 @@ fn forward<C: Copy, T: Lift<C>>(
             (zero, zero, frame.turn(frame.take(&up)))
         }
     };
-    let (qd, qdd) = (motion.qd, motion.qdd);
-    match body.joint {
+    let (qd, qdd) = frame.rates();
+    match joint {
         JointKind::Revolute => {
             dw = frame.along_axis(frame.across_axis(dw, w, qd), qdd);
             w = frame.along_axis(w, qd);
@@ -308,7 +380,8 @@ fn forward<C: Copy, T: Lift<C>>(
         }
         JointKind::Fixed | JointKind::Floating => {}
     }
-    (state.w, state.dw, state.a) = (w, dw, a);
+    let u = [zero; 3];
+    BodyState { w, dw, a, u }
 }
 
 /// U = `[dw]x + [w]x [w]x`.

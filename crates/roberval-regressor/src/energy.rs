@@ -88,7 +88,7 @@ pub fn energy<C: Copy, T: Lift<C>>(
     for (j, (body, motion)) in tree.bodies.iter().zip(motion).enumerate() {
         let (states, placing) = (&mut workspace.states, &workspace.placings[j]);
         if body.joint != JointKind::Floating {
-            with_frame!(body, placing, motion, forward, tree, j, motion, states);
+            with_frame!(body, placing, motion, forward, tree, j, states);
         }
         if body.massless {
             continue;
@@ -107,7 +107,6 @@ fn forward<C: Copy, T: Lift<C>>(
     frame: &impl Frame<T>,
     tree: &Tree<C>,
     j: usize,
-    motion: &JointMotion<T>,
     states: &mut [BodyState<T>],
 ) {
     let body = &tree.bodies[j];
@@ -126,8 +125,8 @@ fn forward<C: Copy, T: Lift<C>>(
         ),
     };
     match body.joint {
-        JointKind::Revolute => w = frame.along_axis(w, motion.qd),
-        JointKind::Prismatic => v = frame.along_axis(v, motion.qd),
+        JointKind::Revolute => w = frame.along_axis(w, frame.rates().0),
+        JointKind::Prismatic => v = frame.along_axis(v, frame.rates().0),
         JointKind::Fixed | JointKind::Floating => {}
     }
     states[j] = BodyState {

@@ -1,12 +1,10 @@
 //! The inertia forces of a body and their power along the joints of its path: the columns.
 
-use roberval_mechanism::JointKind;
-use roberval_scalar::{Lift, Scalar};
+use roberval_scalar::Scalar;
 
-use crate::Body;
 use crate::dynamics::{BodyState, Screw};
-use crate::layout::{Layout, ordered, usual};
-use crate::vector::{Mat3, Vec3, dot, lift3};
+use crate::layout::usual;
+use crate::vector::{Mat3, Vec3, dot};
 
 /// All three components of a vector.
 const ALL: u8 = 0b111;
@@ -48,9 +46,32 @@ impl<T: Scalar> Forces<T> {
         }
     }
 
+    /// Those of a body that turns about its last axis and about nothing else.
+    #[inline(always)]
+    pub(crate) fn spinning(zero: T, state: &BodyState<T>) -> Self {
+        let (w, dw) = (state.w[2], state.dw[2]);
+        let w2 = w * w;
+        Self {
+            dw: [zero, zero, dw],
+            a: state.a,
+            u: [[-w2, -dw, zero], [dw, -w2, zero], [zero; 3]],
+            products: [zero; 3],
+            differences: [-w2, w2, zero],
+        }
+    }
+
+    /// Their power along a screw, one without e if it slides.
+    #[inline(always)]
+    pub(crate) fn on_any(&self, zero: T, slides: bool, screw: &Screw<T>) -> Columns<T> {
+        match slides {
+            false => self.on_screw(screw),
+            true => self.on_translation(zero, screw.v),
+        }
+    }
+
     /// Their power along a screw.
     #[inline(always)]
-    pub(crate) fn on_screw(&self, screw: &Screw<T>) -> Columns<T> {
+    fn on_screw(&self, screw: &Screw<T>) -> Columns<T> {
         self.on::<ALL>(screw)
     }
 
@@ -115,7 +136,7 @@ impl<T: Scalar> Forces<T> {
 
     /// Their power along a translation.
     #[inline(always)]
-    pub(crate) fn on_translation(&self, zero: T, v: Vec3<T>) -> Columns<T> {
+    fn on_translation(&self, zero: T, v: Vec3<T>) -> Columns<T> {
         let Self { a, u, .. } = self;
         let column = |k: usize| [u[0][k], u[1][k], u[2][k]];
         Columns {
@@ -150,7 +171,7 @@ impl<T: Scalar> Forces<T> {
 
     /// Their power about the last axis, or against it: mostly a copy.
     #[inline(always)]
-    fn on_last_axis(&self, opposite: bool, zero: T) -> Columns<T> {
+    pub(crate) fn on_last_axis(&self, opposite: bool, zero: T) -> Columns<T> {
         let Self { dw, a, u, .. } = self;
         let (xy, x2_y2) = (self.products[2], self.differences[2]);
         let (squares, mixed, first) = match opposite {
@@ -172,28 +193,6 @@ impl<T: Scalar> Forces<T> {
             mass: zero,
         }
     }
-
-    /// Their power along the unit velocity of the body's own joint.
-    #[inline(always)]
-    pub(crate) fn on_own_joint<C: Copy>(&self, body: &Body<C>, zero: T) -> Columns<T>
-    where
-        T: Lift<C>,
-    {
-        match (body.joint, &body.layout) {
-            (JointKind::Prismatic, _) => self.on_translation(zero, axis(body)),
-            (_, Layout::Aligned(aligned)) => self.on_last_axis(aligned.reversed, zero),
-            (_, Layout::General) => self.on_screw(&Screw {
-                e: axis(body),
-                v: [zero; 3],
-            }),
-        }
-    }
-}
-
-/// The joint's axis in the body's frame, its axes in their order.
-#[inline(always)]
-fn axis<C: Copy, T: Lift<C>>(body: &Body<C>) -> Vec3<T> {
-    ordered(&lift3(&body.axis), body.layout.order())
 }
 
 /// Entries of a body's ten inertial columns.

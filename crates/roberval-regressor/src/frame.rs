@@ -16,6 +16,8 @@ use crate::{Body, JointMotion, Tree};
 pub(crate) struct Placing<T> {
     /// The number of the frame in [`with_frame`]; all above are any placement.
     pub frame: u8,
+    /// What the joint allows.
+    pub joint: JointKind,
     /// Order of the antecedent's axes, and of the body's.
     before: usize,
     pub order: usize,
@@ -46,6 +48,7 @@ impl<T: Scalar> Placing<T> {
         let before = antecedent.map_or(2, |a| a.layout.order());
         let any = Self {
             frame: u8::MAX,
+            joint: body.joint,
             before,
             order: body.layout.order(),
             origin: lift3(&body.origin),
@@ -113,6 +116,8 @@ pub(crate) trait Frame<T: Scalar> {
     fn at_origin(&self, a: Vec3<T>, u: &Mat3<T>) -> Vec3<T>;
     /// h + g . p
     fn rise(&self, h: T, g: Vec3<T>) -> T;
+    /// Velocity and acceleration of the joint, along [`Frame::along_axis`].
+    fn rates(&self) -> (T, T);
     /// v + s times the joint's axis.
     fn along_axis(&self, v: Vec3<T>, s: T) -> Vec3<T>;
     /// `v + s (w x axis)`
@@ -128,6 +133,7 @@ pub(crate) struct General<T> {
     rotation: Mat3<T>,
     origin: Vec3<T>,
     axis: Vec3<T>,
+    rates: (T, T),
     /// Order of the antecedent's axes.
     order: usize,
 }
@@ -156,6 +162,7 @@ impl<T: Scalar> General<T> {
             rotation,
             origin,
             axis,
+            rates: (motion.qd, motion.qdd),
             order: placing.before,
         }
     }
@@ -192,6 +199,11 @@ impl<T: Scalar> Frame<T> for General<T> {
     #[inline(always)]
     fn rise(&self, h: T, g: Vec3<T>) -> T {
         h + dot(g, self.origin)
+    }
+
+    #[inline(always)]
+    fn rates(&self) -> (T, T) {
+        self.rates
     }
 
     #[inline(always)]
@@ -233,6 +245,8 @@ pub(crate) struct Right<'a, T, const FRAME: u8> {
     minus_s: T,
     /// p in this frame's order; components that it never has are not looked at.
     p: Vec3<T>,
+    /// Along the last axis, whichever way the joint's points.
+    rates: (T, T),
     placing: &'a Placing<T>,
 }
 
@@ -245,17 +259,22 @@ impl<'a, T: Scalar, const FRAME: u8> Right<'a, T, FRAME> {
     const FLIP: bool = FRAME % 2 == 1;
 
     #[inline(always)]
-    pub(crate) fn new<C: Copy>(
-        body: &Body<C>,
-        placing: &'a Placing<T>,
-        motion: &JointMotion<T>,
-    ) -> Self {
-        let (mut c, mut s, mut p) = (motion.cos, motion.sin, placing.origin);
-        match body.joint {
-            JointKind::Revolute if placing.reversed => s = -s,
-            JointKind::Prismatic if placing.reversed != Self::FLIP => p[2] = p[2] - motion.q,
-            JointKind::Prismatic => p[2] = p[2] + motion.q,
-            JointKind::Revolute | JointKind::Fixed | JointKind::Floating => {}
+    pub(crate) fn new(placing: &'a Placing<T>, motion: &JointMotion<T>) -> Self {
+        let JointMotion {
+            cos: mut c,
+            sin: mut s,
+            mut q,
+            mut qd,
+            mut qdd,
+            ..
+        } = *motion;
+        if placing.reversed {
+            // Against the last axis: along it backwards.
+            (s, q, qd, qdd) = (-s, -q, -qd, -qdd);
+        }
+        let mut p = placing.origin;
+        if placing.joint == JointKind::Prismatic {
+            p[2] = if Self::FLIP { p[2] - q } else { p[2] + q };
         }
         (c, s) = match placing.quarters {
             0 => (c, s),
@@ -268,6 +287,7 @@ impl<'a, T: Scalar, const FRAME: u8> Right<'a, T, FRAME> {
             s,
             minus_s: -s,
             p,
+            rates: (qd, qdd),
             placing,
         }
     }
@@ -399,13 +419,13 @@ impl<T: Scalar, const FRAME: u8> Frame<T> for Right<'_, T, FRAME> {
     }
 
     #[inline(always)]
+    fn rates(&self) -> (T, T) {
+        self.rates
+    }
+
+    #[inline(always)]
     fn along_axis(&self, v: Vec3<T>, s: T) -> Vec3<T> {
-        let z = if self.placing.reversed {
-            v[2] - s
-        } else {
-            v[2] + s
-        };
-        [v[0], v[1], z]
+        [v[0], v[1], v[2] + s]
     }
 
     #[inline(always)]
@@ -429,7 +449,6 @@ impl<T: Scalar, const FRAME: u8> Frame<T> for Right<'_, T, FRAME> {
 
     #[inline(always)]
     fn across_axis(&self, v: Vec3<T>, w: Vec3<T>, s: T) -> Vec3<T> {
-        let s = if self.placing.reversed { -s } else { s };
         [w[1].mul_add(s, v[0]), w[0].neg_mul_add(s, v[1]), v[2]]
     }
 }
@@ -445,7 +464,7 @@ macro_rules! with_frame {
         match $placing.frame {
             $(
                 $frame => with_frame!(@call $step,
-                    Right::<_, $frame>::new($body, $placing, $motion), $arguments),
+                    Right::<_, $frame>::new($placing, $motion), $arguments),
             )*
             _ => with_frame!(@call $step, General::new($body, $placing, $motion), $arguments),
         }
