@@ -5,7 +5,7 @@ use crate::forces::Forces;
 use crate::frame::{Frame, General, Near, Placing, Right, with_frame};
 use crate::layout::{Layout, ordered};
 use crate::vector::{Mat3, Vec3, lift3, negative};
-use crate::{BaseState, Body, Constants, JointMotion, Sink, Tree};
+use crate::{BaseState, Body, Constants, JointMotion, Nonzero, Sink, Tree};
 
 /// How a body moves, in its own frame. The recursion takes its axes in turn, so that the
 /// joint's comes last.
@@ -263,12 +263,12 @@ fn alone<T: Scalar>(
 ) {
     if let ([own, ..], false) = (&link.path[..], link.massless) {
         let columns = forces.on_last_axis(opposite, zero);
-        let columns = match link.placing.order {
-            0 => columns.in_order::<0>(),
-            1 => columns.in_order::<1>(),
-            _ => columns.in_order::<2>(),
-        };
-        sink.link(j, own.row, columns);
+        let (row, of) = (own.row, Nonzero::turning_alone);
+        match link.placing.order {
+            0 => sink.link(j, row, columns.in_order::<0>(), of(0)),
+            1 => sink.link(j, row, columns.in_order::<1>(), of(1)),
+            _ => sink.link(j, row, columns.in_order::<2>(), of(2)),
+        }
         rotor((j, link), own.row, qdd, sink);
     }
 }
@@ -284,8 +284,7 @@ fn on_path<const ORDER: usize, T: Scalar>(
 ) {
     let (far, others) = link.path.split_at(link.far);
     for ancestor in far {
-        let columns = forces.on_any(zero, ancestor.slides, &ancestor.screw);
-        sink.link(j, ancestor.row, columns.in_order::<ORDER>());
+        on_ancestor::<ORDER, T>(zero, j, ancestor, forces, sink);
     }
     let mut others = others.iter();
     let near = match link.placing.near {
@@ -297,15 +296,36 @@ fn on_path<const ORDER: usize, T: Scalar>(
             Near::Parallel { opposite } => forces.on_parallel(opposite, zero, screw),
             _ => forces.on_crossed(screw),
         };
-        sink.link(j, *row, columns.in_order::<ORDER>());
+        sink.link(j, *row, columns.in_order::<ORDER>(), Nonzero::ALL);
     }
     let Some(own) = others.next() else { return };
-    let columns = match link.own {
-        Own::Any => forces.on_any(zero, own.slides, &own.screw),
-        Own::Last { opposite } | Own::Alone { opposite } => forces.on_last_axis(opposite, zero),
-    };
-    sink.link(j, own.row, columns.in_order::<ORDER>());
+    match link.own {
+        Own::Any => on_ancestor::<ORDER, T>(zero, j, own, forces, sink),
+        Own::Last { opposite } | Own::Alone { opposite } => {
+            let columns = forces.on_last_axis(opposite, zero).in_order::<ORDER>();
+            sink.link(j, own.row, columns, Nonzero::turning(ORDER));
+        }
+    }
     rotor((j, link), own.row, qdd, sink);
+}
+
+/// The same on a joint that lies in any way.
+#[inline(always)]
+fn on_ancestor<const ORDER: usize, T: Scalar>(
+    zero: T,
+    j: usize,
+    ancestor: &Ancestor<T>,
+    forces: &Forces<T>,
+    sink: &mut impl Sink<T>,
+) {
+    let Ancestor { row, slides, screw } = ancestor;
+    if *slides {
+        let columns = forces.on_translation(zero, screw.v).in_order::<ORDER>();
+        sink.link(j, *row, columns, Nonzero::SLIDING);
+    } else {
+        let columns = forces.on_screw(screw).in_order::<ORDER>();
+        sink.link(j, *row, columns, Nonzero::ALL);
+    }
 }
 
 /// The Ia column, if there is one.

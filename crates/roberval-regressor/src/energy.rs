@@ -4,7 +4,7 @@ use roberval_scalar::{Lift, Scalar};
 use crate::frame::{Frame, General, Placing, Right, with_frame};
 use crate::layout::usual;
 use crate::vector::{Vec3, cross, dot, lift3};
-use crate::{BaseState, JointMotion, Sink, Tree};
+use crate::{BaseState, JointMotion, Nonzero, Sink, Tree};
 
 /// What the energy of a body needs, in the body's frame with its joint's axis last.
 #[derive(Debug, Clone, Copy)]
@@ -94,7 +94,7 @@ pub fn energy<C: Copy, T: Lift<C>>(
             continue;
         }
         let state = states[j].in_usual_order(body.layout.order());
-        sink.link(j, 0, link_energy(&state, half));
+        sink.link(j, 0, link_energy(&state, half), Nonzero::ALL);
         if body.rotor {
             let squared = T::lift(body.axis_squared);
             sink.rotor(j, 0, half * motion.qd * motion.qd * squared);

@@ -60,18 +60,9 @@ impl<T: Scalar> Forces<T> {
         }
     }
 
-    /// Their power along a screw, one without e if it slides.
-    #[inline(always)]
-    pub(crate) fn on_any(&self, zero: T, slides: bool, screw: &Screw<T>) -> Columns<T> {
-        match slides {
-            false => self.on_screw(screw),
-            true => self.on_translation(zero, screw.v),
-        }
-    }
-
     /// Their power along a screw.
     #[inline(always)]
-    fn on_screw(&self, screw: &Screw<T>) -> Columns<T> {
+    pub(crate) fn on_screw(&self, screw: &Screw<T>) -> Columns<T> {
         self.on::<ALL>(screw)
     }
 
@@ -136,7 +127,7 @@ impl<T: Scalar> Forces<T> {
 
     /// Their power along a translation.
     #[inline(always)]
-    fn on_translation(&self, zero: T, v: Vec3<T>) -> Columns<T> {
+    pub(crate) fn on_translation(&self, zero: T, v: Vec3<T>) -> Columns<T> {
         let Self { a, u, .. } = self;
         let column = |k: usize| [u[0][k], u[1][k], u[2][k]];
         Columns {

@@ -52,7 +52,7 @@ pub use moments::{Moments, Shape};
 pub use motion::JointMotion;
 pub use newton_euler::newton_euler;
 pub use packed::PackedLayout;
-pub use sink::{DenseRows, SelectedRows, Sink, Torques};
+pub use sink::{DenseRows, Nonzero, SelectedRows, Sink, Torques};
 pub use states::{RegressorError, States};
 pub use tile_rows::{Slots, TileRows};
 pub use transmission::{Projected, Transmission};

@@ -7,22 +7,29 @@ use roberval_mechanism::ParameterSpace;
 use roberval_scalar::Lanes;
 
 use crate::{
-    DynamicsWorkspace, EnergyWorkspace, Model, Sink, Transmission, Tree, dynamics, energy,
+    DynamicsWorkspace, EnergyWorkspace, Model, Nonzero, Sink, Transmission, Tree, dynamics, energy,
 };
 
 /// Which entry of a sample's rows each packed number is.
 ///
 /// Samples come in tiles of as many as there are lanes; a tile is one block of numbers
 /// `[slot][lane]`. The slots are, link by link, on each row of the path from the base to
-/// the link its ten columns XX to M, then its Ia on its own row. Entries without a slot
+/// the link its columns XX to M, then its Ia on its own row. Entries without a slot
 /// are zero for every state.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PackedLayout {
     /// Row and column of each slot.
     entries: Vec<(usize, usize)>,
-    /// The slots that the recursion gives at a time; none where they are computed from those
-    /// of the tree.
-    groups: Vec<Range<usize>>,
+    /// What the recursion gives at a time; nothing where slots are computed from those of the
+    /// tree.
+    groups: Vec<Group>,
+}
+
+/// Columns that the recursion gives at a time, some of which have slots.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Group {
+    row: usize,
+    columns: Range<usize>,
 }
 
 impl PackedLayout {
@@ -154,26 +161,27 @@ fn sums<V: Lanes>(terms: &[Vec<(u32, u32)>], g: &[V], from: &[V], to: &mut [V]) 
 struct Entries<'a> {
     space: &'a ParameterSpace,
     entries: Vec<(usize, usize)>,
-    groups: Vec<Range<usize>>,
+    groups: Vec<Group>,
 }
 
 impl Entries<'_> {
-    fn add(&mut self, row: usize, columns: Range<usize>) {
-        let first = self.entries.len();
-        self.entries.extend(columns.map(|column| (row, column)));
-        self.groups.push(first..self.entries.len());
+    fn add(&mut self, row: usize, columns: Range<usize>, nonzero: impl Fn(usize) -> bool) {
+        let first = columns.start;
+        let nonzero = columns.clone().filter(|column| nonzero(column - first));
+        self.entries.extend(nonzero.map(|column| (row, column)));
+        self.groups.push(Group { row, columns });
     }
 }
 
 impl Sink<f64> for Entries<'_> {
-    fn link(&mut self, link: usize, row: usize, _: [f64; 10]) {
+    fn link(&mut self, link: usize, row: usize, _: [f64; 10], nonzero: Nonzero) {
         let first = self.space.first_column(link);
-        self.add(row, first..first + 10);
+        self.add(row, first..first + 10, |k| nonzero.has(k));
     }
 
     fn rotor(&mut self, link: usize, row: usize, _: f64) {
         let column = self.space.first_column(link) + 10;
-        self.add(row, column..column + 1);
+        self.add(row, column..column + 1, |_| true);
     }
 }
 
@@ -198,10 +206,14 @@ impl<'a> Packed<'a> {
 
 impl<V: Lanes> Sink<V> for Packed<'_> {
     #[inline(always)]
-    fn link(&mut self, _: usize, _: usize, columns: [V; 10]) {
-        let slots = self.next(10 * V::COUNT);
-        for (column, slot) in columns.into_iter().zip(slots.chunks_exact_mut(V::COUNT)) {
-            column.store(slot);
+    fn link(&mut self, _: usize, _: usize, columns: [V; 10], nonzero: Nonzero) {
+        let mut slots = self.next(nonzero.count() * V::COUNT);
+        for k in 0..10 {
+            if nonzero.has(k) {
+                let slot;
+                (slot, slots) = slots.split_at_mut(V::COUNT);
+                columns[k].store(slot);
+            }
         }
     }
 
@@ -238,9 +250,12 @@ impl<'a> InPlace<'a> {
 
 impl<V: Lanes> Sink<V> for InPlace<'_> {
     #[inline(always)]
-    fn link(&mut self, _: usize, _: usize, columns: [V; 10]) {
-        for (column, to) in columns.into_iter().zip(self.next(10).chunks_exact_mut(1)) {
-            column.store(to);
+    fn link(&mut self, _: usize, _: usize, columns: [V; 10], nonzero: Nonzero) {
+        let to = self.next(10);
+        for k in 0..10 {
+            if nonzero.has(k) {
+                columns[k].store(&mut to[k..=k]);
+            }
         }
     }
 
@@ -276,7 +291,7 @@ pub(crate) struct Export {
     sources: Vec<u32>,
     /// Where slots and numbers follow each other: slot, number and how many.
     runs: Vec<[usize; 3]>,
-    /// The place of each group of slots, if each stays together.
+    /// The place of each group of columns, if each stays together.
     places: Option<Vec<u32>>,
     /// Pieces of `sources` that have a slot, as multiples of 8 numbers; the rest is zero.
     filled: Vec<Range<usize>>,
@@ -296,16 +311,11 @@ impl Export {
         place: impl Fn(usize) -> Option<usize>,
     ) -> Self {
         let slots = layout.entries.len();
-        let at = |slot: usize| {
-            let (row, column) = layout.entries[slot];
-            place(column).map(|place| (row * width + place) as u32)
-        };
-        let together = |group: &Range<usize>| {
-            let first = at(group.start)?;
-            let mut places = (first..).zip(group.clone());
-            places
-                .all(|(place, slot)| at(slot) == Some(place))
-                .then_some(first)
+        let together = |group: &Group| {
+            let first = place(group.columns.start)?;
+            let mut places = (first..).zip(group.columns.clone());
+            let together = places.all(|(at, column)| place(column) == Some(at));
+            together.then_some((group.row * width + first) as u32)
         };
         let places: Option<Vec<u32>> = layout.groups.iter().map(together).collect();
         let mut sources = vec![slots as u32; rows * width];
@@ -339,7 +349,7 @@ impl Export {
         self.sources.len()
     }
 
-    /// Where each group of slots belongs, if each stays together.
+    /// Where each group of columns belongs, if each stays together.
     pub(crate) fn places(&self) -> Option<&[u32]> {
         self.places.as_deref()
     }

@@ -4,7 +4,7 @@ use roberval_scalar::Lanes;
 
 use crate::lanes::Work;
 use crate::tree_states::TreeStates;
-use crate::{Model, Regressor, Sink};
+use crate::{Model, Nonzero, Regressor, Sink};
 
 /// Takes the packed numbers of a tile, slot by slot: see [`crate::PackedLayout`].
 pub trait Slots<V> {
@@ -77,8 +77,15 @@ impl<V: Lanes, S: Slots<V>> InTurn<'_, V, S> {
 
 impl<V: Lanes, S: Slots<V>> Sink<V> for InTurn<'_, V, S> {
     #[inline(always)]
-    fn link(&mut self, _: usize, _: usize, columns: [V; 10]) {
-        self.put(&columns);
+    fn link(&mut self, _: usize, _: usize, columns: [V; 10], nonzero: Nonzero) {
+        let (mut numbers, mut count) = (columns, 0);
+        for k in 0..10 {
+            if nonzero.has(k) {
+                numbers[count] = columns[k];
+                count += 1;
+            }
+        }
+        self.put(&numbers[..count]);
     }
 
     #[inline(always)]

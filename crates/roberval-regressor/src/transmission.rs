@@ -1,4 +1,4 @@
-use crate::Sink;
+use crate::{Nonzero, Sink};
 use roberval_scalar::Scalar;
 
 /// G: what a unit velocity of each independent coordinate does to the n joint variables,
@@ -69,9 +69,10 @@ pub struct Projected<'a, T, S> {
 
 impl<T: Scalar, S: Sink<T>> Sink<T> for Projected<'_, T, S> {
     #[inline(always)]
-    fn link(&mut self, link: usize, row: usize, columns: [T; 10]) {
+    fn link(&mut self, link: usize, row: usize, columns: [T; 10], nonzero: Nonzero) {
         for (place, g) in self.transmission.row(row) {
-            self.inner.link(link, place, columns.map(|x| g * x));
+            self.inner
+                .link(link, place, columns.map(|x| g * x), nonzero);
         }
     }
 

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use roberval_mechanism::{JointKind, Mechanism};
 use roberval_regressor::{
-    DynamicsWorkspace, JointMotion, Model, Regressor, Sink, States, Tree, dynamics,
+    DynamicsWorkspace, JointMotion, Model, Nonzero, Regressor, Sink, States, Tree, dynamics,
 };
 use roberval_scalar::{Lift, Scalar, Width};
 
@@ -70,7 +70,7 @@ impl Lift<f64> for Counted {
 struct Nowhere;
 
 impl Sink<Counted> for Nowhere {
-    fn link(&mut self, _: usize, _: usize, _: [Counted; 10]) {}
+    fn link(&mut self, _: usize, _: usize, _: [Counted; 10], _: Nonzero) {}
     fn rotor(&mut self, _: usize, _: usize, _: Counted) {}
 }
 
@@ -161,6 +161,19 @@ fn a_sample_costs_so_many_instructions() {
             }
         }
     }
+}
+
+#[test]
+fn entries_that_are_zero_in_every_state_have_no_slot() {
+    let slots = |robot: &Mechanism| {
+        let regressor = Regressor::new(robot);
+        regressor.packed_layout(Model::D).entries().len()
+    };
+    let puma = roberval_formats::load("puma560").expect("in the catalogue");
+    let robot = Mechanism::new(&puma).expect("valid");
+    // 15 rows of other joints with ten columns; on the own rows eight, and three (inertia about
+    // the axis, moments across it) where nothing else moves the link; six rotors.
+    assert_eq!(slots(&robot), 15 * 10 + 5 * 8 + 3 + 6);
 }
 
 #[test]
