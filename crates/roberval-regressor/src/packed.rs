@@ -225,7 +225,7 @@ impl<V: Lanes> Sink<V> for Packed<'_> {
 
 /// Writes each group of slots at its place in the rows of a single sample.
 pub(crate) struct InPlace<'a> {
-    places: &'a [u32],
+    places: std::slice::Iter<'a, u32>,
     row: &'a mut [f64],
 }
 
@@ -234,17 +234,17 @@ impl<'a> InPlace<'a> {
     #[inline(always)]
     pub(crate) fn new(places: &'a [u32], row: &'a mut [f64]) -> Self {
         clear(row);
-        Self { places, row }
+        Self {
+            places: places.iter(),
+            row,
+        }
     }
 
     /// The next group's numbers.
     #[inline(always)]
     fn next(&mut self, count: usize) -> &mut [f64] {
-        let Some((&first, rest)) = self.places.split_first() else {
-            return &mut [];
-        };
-        self.places = rest;
-        &mut self.row[first as usize..first as usize + count]
+        let first = self.places.next().map_or(0, |&first| first as usize);
+        &mut self.row[first..first + count]
     }
 }
 
@@ -269,18 +269,19 @@ impl<V: Lanes> Sink<V> for InPlace<'_> {
 /// longer than the arithmetic, and a store across two lines counts twice.
 #[inline(always)]
 fn clear(row: &mut [f64]) {
-    let zeros = std::hint::black_box([0.0; BLOCK]);
-    let before = row
-        .as_ptr()
-        .align_offset(size_of_val(&zeros))
-        .min(row.len());
-    let (head, lines) = row.split_at_mut(before);
-    let mut blocks = lines.chunks_exact_mut(BLOCK);
-    for block in blocks.by_ref() {
-        block.copy_from_slice(&zeros);
+    // Hidden, or the loop becomes a call of memset.
+    let zeros = [std::hint::black_box(0.0); BLOCK];
+    let aligned = row.as_ptr().align_offset(size_of_val(&zeros));
+    // The ends, wherever they are; between them whole lines.
+    match row.first_chunk_mut() {
+        Some(head) => *head = zeros,
+        None => return row.fill(zeros[0]),
     }
-    for x in head.iter_mut().chain(blocks.into_remainder()) {
-        *x = zeros[0];
+    if let Some(tail) = row.last_chunk_mut() {
+        *tail = zeros;
+    }
+    for line in row[aligned..].chunks_exact_mut(BLOCK) {
+        line.copy_from_slice(&zeros);
     }
 }
 

@@ -140,6 +140,14 @@ fn set<V: Lanes>(motion: &mut JointMotion<V>, body: &Body<f64>, [q, qd, qdd]: [V
 /// not all numbers are finite, be it of these rows or of what follows them.
 #[inline(always)]
 fn transpose<V: Lanes>(from: &[f64], width: usize, padded: &mut [f64], to: &mut [V]) -> V {
+    let mut none = V::lift(0.0);
+    if V::COUNT == 1 {
+        for (to, from) in to.iter_mut().zip(&from[..width]) {
+            *to = V::load(std::slice::from_ref(from));
+            none = to.mul_add(V::lift(0.0), none);
+        }
+        return none;
+    }
     // Whole blocks read beyond the last row's end.
     let from = if from.len() < (V::COUNT - 1) * width + to.len() {
         let count = from.len().min(V::COUNT * width);
@@ -150,7 +158,6 @@ fn transpose<V: Lanes>(from: &[f64], width: usize, padded: &mut [f64], to: &mut 
         from
     };
     let blocks = to.chunks_exact_mut(V::COUNT).take(width.div_ceil(V::COUNT));
-    let mut none = V::lift(0.0);
     for (k, block) in blocks.enumerate() {
         none = none + V::load_transposed(&from[k * V::COUNT..], width, block);
     }
