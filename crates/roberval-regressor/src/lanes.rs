@@ -229,6 +229,17 @@ fn write<V: Lanes>(
     (form, stream): (Form<'_>, bool),
     out: &mut [f64],
 ) -> Result<(), Fault> {
+    if let (1, Form::Rows(export)) = (V::COUNT, form)
+        && let Some(places) = export.places()
+    {
+        return in_place(
+            (robot, places),
+            model,
+            states,
+            work,
+            out.chunks_exact_mut(export.len()),
+        );
+    }
     let stream = stream && V::STREAMS;
     let projection = robot.projection.filter(|_| model != Model::H);
     let (slots, length, steps) = match form {
@@ -250,10 +261,6 @@ fn write<V: Lanes>(
         let to = if direct { &mut *out } else { near };
         let first = tile * V::COUNT;
         match form {
-            Form::Rows(export) if V::COUNT == 1 && export.places().is_some() => {
-                let mut sink = InPlace::new(export.places().unwrap_or_default(), to);
-                work.run(robot.tree, model, states, first, &mut sink)?;
-            }
             Form::Packed(_) if projection.is_none() => {
                 work.run(robot.tree, model, states, first, &mut Packed::new(to))?;
             }
@@ -284,6 +291,22 @@ fn write<V: Lanes>(
     }
     buffer.finish();
     (work.stage, work.rows, work.projected) = (stage, rows, projected);
+    Ok(())
+}
+
+/// Sample after sample, each number where it belongs at once.
+#[inline(always)]
+fn in_place<'o, V: Lanes>(
+    (robot, places): (Robot<'_>, &[u32]),
+    model: Model,
+    states: &TreeStates<'_>,
+    work: &mut Work<V>,
+    rows: impl Iterator<Item = &'o mut [f64]>,
+) -> Result<(), Fault> {
+    for (sample, rows) in rows.enumerate() {
+        let mut sink = InPlace::new(places, rows);
+        work.run(robot.tree, model, states, sample, &mut sink)?;
+    }
     Ok(())
 }
 
