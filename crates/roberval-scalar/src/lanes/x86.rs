@@ -6,6 +6,7 @@
 
 use std::arch::is_x86_feature_detected as has;
 use std::arch::x86_64::*;
+use std::sync::LazyLock;
 
 use super::arithmetic::arithmetic;
 use super::fused::Fused;
@@ -14,13 +15,18 @@ use super::{Lanes, Task, Width};
 use crate::{Lift, Scalar};
 
 pub(super) fn available(width: Width) -> bool {
+    /// Asked once: each question is several.
+    static ALL: LazyLock<[bool; Width::ALL.len()]> = LazyLock::new(|| Width::ALL.map(has_all));
+    ALL[width as usize]
+}
+
+fn has_all(width: Width) -> bool {
+    let fused = has!("avx2") && has!("fma");
     match width {
         Width::Plain => true,
-        Width::One | Width::Four => has!("avx2") && has!("fma"),
+        Width::One | Width::Four => fused,
         Width::Two => false,
-        Width::Eight => {
-            available(Width::Four) && has!("avx512f") && has!("avx512dq") && has!("avx512vl")
-        }
+        Width::Eight => fused && has!("avx512f") && has!("avx512dq") && has!("avx512vl"),
     }
 }
 
