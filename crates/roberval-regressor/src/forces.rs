@@ -2,9 +2,10 @@
 
 use roberval_scalar::Scalar;
 
-use crate::dynamics::{BodyState, Screw};
+use crate::dynamics::BodyState;
 use crate::layout::usual;
 use crate::vector::{Mat3, Vec3, dot};
+use crate::workspace::Screw;
 
 /// All three components of a vector.
 const ALL: u8 = 0b111;

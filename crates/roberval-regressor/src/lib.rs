@@ -36,10 +36,11 @@ mod transmission;
 mod tree;
 mod tree_states;
 mod vector;
+mod workspace;
 
 pub use base::{BaseState, squared_length};
 pub use batch::{Columns, Model, Regressor, STREAM_BYTES};
-pub use dynamics::{DynamicsWorkspace, dynamics};
+pub use dynamics::dynamics;
 pub use energy::{EnergyWorkspace, energy};
 pub use exact::{
     AngleOrder, AngleParts, AngleUnit, AngleUnits, CouplePowers, ExactModel, ExactWorkspace,
@@ -58,3 +59,4 @@ pub use tile_rows::{Slots, TileRows};
 pub use transmission::{Projected, Transmission};
 pub use tree::{Body, Constants, Tree};
 pub use tree_states::{Expanded, TreeStates};
+pub use workspace::DynamicsWorkspace;

@@ -9,9 +9,21 @@
 use roberval_mechanism::{JointKind, ParameterSpace};
 use roberval_scalar::Scalar;
 
-use crate::dynamics::{BodyState, acceleration_field};
-use crate::vector::{Vec3, add, apply, apply_transposed, cross, dot, scale};
+use crate::vector::{Mat3, Vec3, add, apply, apply_transposed, cross, dot, scale};
 use crate::{BaseState, Body, JointMotion, Moments, Shape, Tree};
+
+/// How a body moves, in its own frame.
+#[derive(Debug, Clone, Copy)]
+struct BodyState<T> {
+    /// Angular velocity.
+    w: Vec3<T>,
+    /// Angular acceleration.
+    dw: Vec3<T>,
+    /// Acceleration of the frame's origin; gravity enters as that of the base, -g.
+    a: Vec3<T>,
+    /// U = `[dw]x + [w]x [w]x`: a point fixed at p in the frame accelerates by a + U p.
+    u: Mat3<T>,
+}
 
 /// The force of a body and all it carries on its antecedent, and the moment about the
 /// body's origin, in the body's frame.
@@ -195,4 +207,16 @@ fn turned<T: Scalar>(body: &Body<T>, motion: &JointMotion<T>, v: Vec3<T>) -> Vec
         _ => v,
     };
     apply(&body.rotation, v)
+}
+
+/// U = `[dw]x + [w]x [w]x`.
+#[inline(always)]
+fn acceleration_field<T: Scalar>(w: Vec3<T>, dw: Vec3<T>) -> Mat3<T> {
+    let (xx, yy, zz) = (w[0] * w[0], w[1] * w[1], w[2] * w[2]);
+    let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
+    [
+        [-(yy + zz), xy - dw[2], xz + dw[1]],
+        [xy + dw[2], -(xx + zz), yz - dw[0]],
+        [xz - dw[1], yz + dw[0], -(xx + yy)],
+    ]
 }
