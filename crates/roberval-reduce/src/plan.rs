@@ -1,7 +1,7 @@
 //! Where the recursion's numbers go in a tile: made once for a robot and a choice of
 //! columns.
 
-use roberval_regressor::{Model, Regressor};
+use roberval_regressor::Regressor;
 use roberval_scalar::Width;
 
 use crate::layout::{Layout, Segment};
@@ -70,13 +70,13 @@ impl Plan {
         let n = regressor.independent();
         // Nothing rubs where a robot floats.
         let first_joint = if regressor.tree().is_floating() { 6 } else { 0 };
-        let entries = regressor.packed_layout(Model::D).entries();
+        let entries = regressor.tile_entries();
         let mut rows: Vec<Vec<usize>> = vec![Vec::new(); columns.len()];
         let mut ids = vec![None; regressor.parameters().len()];
         for (id, &column) in columns.iter().enumerate() {
             ids[column] = Some(id);
         }
-        for &(row, column) in entries {
+        for &(row, column) in &entries {
             if let Some(id) = ids[column] {
                 rows[id].push(row);
             }
@@ -210,5 +210,35 @@ impl Places {
                 .collect()
         };
         (0..self.n).map(inside).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use roberval_mechanism::Mechanism;
+    use roberval_testkit::Family;
+
+    use super::*;
+
+    #[test]
+    fn trees_with_sliders_and_floating_bases_have_no_holes_in_their_columns() {
+        let mut sliders = 0;
+        for seed in 0..60 {
+            let robot = Family::default().robot(seed);
+            for robot in [robot.clone().with_floating_base(), robot] {
+                let robot = Mechanism::new(&robot).expect("valid");
+                let regressor = Regressor::new(&robot);
+                sliders += regressor
+                    .tree()
+                    .bodies
+                    .iter()
+                    .filter(|body| body.joint == roberval_mechanism::JointKind::Prismatic)
+                    .count();
+                let columns: Vec<usize> = (0..regressor.parameters().len()).collect();
+                let plan = Plan::new(&regressor, &columns, Friction::default());
+                assert!(!plan.holes, "robot {seed}");
+            }
+        }
+        assert!(sliders > 0, "no robot has a slider");
     }
 }

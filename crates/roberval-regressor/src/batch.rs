@@ -132,6 +132,13 @@ impl Regressor {
         &self.layouts[family(model)]
     }
 
+    /// Row and column of the numbers that [`crate::TileRows`] hands on: for each link the same
+    /// rows for all its inertial columns, zeros of every state with them.
+    #[must_use]
+    pub fn tile_entries(&self) -> Vec<(usize, usize)> {
+        self.packed_layout(Model::D).given()
+    }
+
     /// Samples in a tile of [`Regressor::fill_packed`].
     #[must_use]
     pub fn lanes(&self) -> usize {

@@ -58,6 +58,19 @@ impl PackedLayout {
         &self.entries
     }
 
+    /// Row and column of all that the recursion gives, zeros of every state with it; of what is
+    /// computed from it, the slots'.
+    pub(crate) fn given(&self) -> Vec<(usize, usize)> {
+        if self.groups.is_empty() {
+            return self.entries.clone();
+        }
+        let of = |group: &Group| {
+            let row = group.row;
+            group.columns.clone().map(move |column| (row, column))
+        };
+        self.groups.iter().flat_map(of).collect()
+    }
+
     /// Numbers that N samples take: whole tiles, the last one filled up with samples at
     /// rest.
     #[must_use]
@@ -104,10 +117,15 @@ impl Projection {
         }
         // Link by link and row by row, as those of the tree.
         let mut slots: BTreeMap<(usize, usize, usize), Vec<(u32, u32)>> = BTreeMap::new();
+        let key = |place, column: usize| (space.ids()[column].link, place, column);
+        for (row, column) in layout.given() {
+            for (place, _) in g.row(row) {
+                slots.entry(key(place, column)).or_default();
+            }
+        }
         for (slot, &(row, column)) in layout.entries.iter().enumerate() {
-            let link = space.ids()[column].link;
             for (k, (place, _)) in g.row(row).enumerate() {
-                let terms = slots.entry((link, place, column)).or_default();
+                let terms = slots.entry(key(place, column)).or_default();
                 terms.push(((starts[row] + k) as u32, slot as u32));
             }
         }
@@ -207,14 +225,13 @@ impl<'a> Packed<'a> {
 impl<V: Lanes> Sink<V> for Packed<'_> {
     #[inline(always)]
     fn link(&mut self, _: usize, _: usize, columns: [V; 10], nonzero: Nonzero) {
-        let mut slots = self.next(nonzero.count() * V::COUNT);
-        for k in 0..10 {
-            if nonzero.has(k) {
-                let slot;
-                (slot, slots) = slots.split_at_mut(V::COUNT);
+        let slots = self.next(nonzero.count() * V::COUNT);
+        let mut slots = slots.chunks_exact_mut(V::COUNT);
+        nonzero.each(|k| {
+            if let Some(slot) = slots.next() {
                 columns[k].store(slot);
             }
-        }
+        });
     }
 
     #[inline(always)]
@@ -240,10 +257,11 @@ impl<'a> InPlace<'a> {
         }
     }
 
-    /// The next group's numbers.
+    /// Where the next group's numbers belong.
     #[inline(always)]
     fn next(&mut self, count: usize) -> &mut [f64] {
-        let first = self.places.next().map_or(0, |&first| first as usize);
+        // There is a place for each group.
+        let first = self.places.next().map_or(self.row.len(), |&at| at as usize);
         &mut self.row[first..first + count]
     }
 }
@@ -252,11 +270,7 @@ impl<V: Lanes> Sink<V> for InPlace<'_> {
     #[inline(always)]
     fn link(&mut self, _: usize, _: usize, columns: [V; 10], nonzero: Nonzero) {
         let to = self.next(10);
-        for k in 0..10 {
-            if nonzero.has(k) {
-                columns[k].store(&mut to[k..=k]);
-            }
-        }
+        nonzero.each(|k| columns[k].store(&mut to[k..=k]));
     }
 
     #[inline(always)]
@@ -272,6 +286,7 @@ fn clear(row: &mut [f64]) {
     // Hidden, or the loop becomes a call of memset.
     let zeros = [std::hint::black_box(0.0); BLOCK];
     let aligned = row.as_ptr().align_offset(size_of_val(&zeros));
+    let aligned = aligned.min(row.len());
     // The ends, wherever they are; between them whole lines.
     match row.first_chunk_mut() {
         Some(head) => *head = zeros,

@@ -10,7 +10,8 @@ pub trait Sink<T> {
     fn rotor(&mut self, link: usize, row: usize, value: T);
 }
 
-/// Which of a link's ten inertial columns have entries on a row: bit k for column k.
+/// Which of a link's ten inertial columns can have entries on a row: bit k for column k. More
+/// of them may be zero in every state of a robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Nonzero(u16);
 
@@ -40,6 +41,16 @@ impl Nonzero {
     #[must_use]
     pub fn has(self, k: usize) -> bool {
         self.0 >> k & 1 == 1
+    }
+
+    /// Calls `each` with them in order. Where they are known to the compiler, so are the calls.
+    #[inline(always)]
+    pub fn each(self, mut each: impl FnMut(usize)) {
+        for k in 0..10 {
+            if self.has(k) {
+                each(k);
+            }
+        }
     }
 
     /// How many there are.
@@ -127,11 +138,7 @@ impl<C: Copy, T: Lift<C>> Sink<T> for Torques<'_, C, T> {
     fn link(&mut self, link: usize, row: usize, columns: [T; 10], nonzero: Nonzero) {
         let x = &self.x[self.space.first_column(link)..][..10];
         let mut torque = self.torques[row];
-        for k in 0..10 {
-            if nonzero.has(k) {
-                torque = columns[k].mul_add(T::lift(x[k]), torque);
-            }
-        }
+        nonzero.each(|k| torque = columns[k].mul_add(T::lift(x[k]), torque));
         self.torques[row] = torque;
     }
 

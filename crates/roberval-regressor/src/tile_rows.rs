@@ -6,7 +6,7 @@ use crate::lanes::Work;
 use crate::tree_states::TreeStates;
 use crate::{Model, Nonzero, Regressor, Sink};
 
-/// Takes the packed numbers of a tile, slot by slot: see [`crate::PackedLayout`].
+/// Takes the numbers of a tile, slot by slot: see [`crate::Regressor::tile_entries`].
 pub trait Slots<V> {
     /// The numbers of the slots from `first` on.
     fn put(&mut self, first: usize, numbers: &[V]);
@@ -57,7 +57,7 @@ impl<V: Lanes> TileRows<V> {
     }
 }
 
-/// Numbers the recursion's slots; keeps them where they have to be projected first.
+/// Numbers what the recursion gives; keeps it, packed, where it has to be projected first.
 struct InTurn<'a, V, S> {
     at: usize,
     stage: Option<&'a mut [V]>,
@@ -65,31 +65,31 @@ struct InTurn<'a, V, S> {
 }
 
 impl<V: Lanes, S: Slots<V>> InTurn<'_, V, S> {
+    /// Hands on all of them: rows have one pattern for all columns of a link.
     #[inline(always)]
-    fn put(&mut self, numbers: &[V]) {
-        match &mut self.stage {
-            None => self.to.put(self.at, numbers),
-            Some(stage) => stage[self.at..self.at + numbers.len()].copy_from_slice(numbers),
+    fn put(&mut self, numbers: &[V], nonzero: impl Fn(usize) -> bool) {
+        let Some(stage) = &mut self.stage else {
+            self.to.put(self.at, numbers);
+            self.at += numbers.len();
+            return;
+        };
+        for (k, number) in numbers.iter().enumerate() {
+            if nonzero(k) {
+                stage[self.at] = *number;
+                self.at += 1;
+            }
         }
-        self.at += numbers.len();
     }
 }
 
 impl<V: Lanes, S: Slots<V>> Sink<V> for InTurn<'_, V, S> {
     #[inline(always)]
     fn link(&mut self, _: usize, _: usize, columns: [V; 10], nonzero: Nonzero) {
-        let (mut numbers, mut count) = (columns, 0);
-        for k in 0..10 {
-            if nonzero.has(k) {
-                numbers[count] = columns[k];
-                count += 1;
-            }
-        }
-        self.put(&numbers[..count]);
+        self.put(&columns, |k| nonzero.has(k));
     }
 
     #[inline(always)]
     fn rotor(&mut self, _: usize, _: usize, value: V) {
-        self.put(&[value]);
+        self.put(&[value], |_| true);
     }
 }
