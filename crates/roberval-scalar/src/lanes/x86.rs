@@ -6,7 +6,7 @@
 
 use std::arch::is_x86_feature_detected as has;
 use std::arch::x86_64::*;
-use std::sync::LazyLock;
+use std::sync::atomic::{AtomicU8, Ordering};
 
 use super::arithmetic::arithmetic;
 use super::fused::Fused;
@@ -15,9 +15,17 @@ use super::{Lanes, Task, Width};
 use crate::{Lift, Scalar};
 
 pub(super) fn available(width: Width) -> bool {
-    /// Asked once: each question is several.
-    static ALL: LazyLock<[bool; Width::ALL.len()]> = LazyLock::new(|| Width::ALL.map(has_all));
-    ALL[width as usize]
+    /// A bit a width, and one above them once the processor was asked: each question is several.
+    /// No lock: a child process may have been forked while another thread was here.
+    static KNOWN: AtomicU8 = AtomicU8::new(0);
+    const ASKED: u8 = 1 << Width::ALL.len();
+    let mut known = KNOWN.load(Ordering::Relaxed);
+    if known == 0 {
+        let bits = Width::ALL.map(|width| u8::from(has_all(width)) << width as u8);
+        known = bits.iter().fold(ASKED, |known, bit| known | bit);
+        KNOWN.store(known, Ordering::Relaxed);
+    }
+    known >> width as u8 & 1 == 1
 }
 
 fn has_all(width: Width) -> bool {
