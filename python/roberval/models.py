@@ -88,9 +88,9 @@ class Models(Description):
         out: Array | None = None,
         threads: int | None = None,
     ) -> Array:
-        """Evaluate only the numbers of a model that are not always zero, in tiles of samples.
+        """Evaluate a model without what its structure makes zero, in tiles of samples.
 
-        The fastest form: `regressor` writes two to five times as much. Arguments are those of
+        The fastest form: `regressor` writes twice as much for an arm, eight times for a tree. Arguments are those of
         `regressor`.
 
         Returns
@@ -107,7 +107,7 @@ class Models(Description):
         >>> q = qd = qdd = np.ones((100, 6))
         >>> tiles, slots, lanes = puma.packed(q, qd, qdd).shape
         >>> slots, tiles * lanes >= 100
-        (216, True)
+        (199, True)
         """
         threads = arrays.thread_count(threads)
         if out is not None and self._inner.packed(model, q, qd, qdd, out, threads):
