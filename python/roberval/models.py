@@ -90,8 +90,8 @@ class Models(Description):
     ) -> Array:
         """Evaluate a model without what its structure makes zero, in tiles of samples.
 
-        The fastest form: `regressor` writes twice as much for an arm, eight times for a tree. Arguments are those of
-        `regressor`.
+        The fastest form: `regressor` writes twice as much for an arm, eight times for a tree.
+        Arguments are those of `regressor`.
 
         Returns
         -------
