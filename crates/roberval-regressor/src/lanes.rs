@@ -2,6 +2,7 @@
 
 use std::any::Any;
 use std::fmt;
+use std::iter;
 use std::mem;
 use std::sync::Mutex;
 
@@ -254,7 +255,11 @@ fn write<V: Lanes>(
         with_zero(&mut projected, slots);
     }
     let whole = V::COUNT * length;
-    let mut buffer = Buffer::<V>::new(&mut rows, [whole, out.len()], stream, steps);
+    let (room, past) = ((whole, &*out), (stream, steps));
+    let mut buffer = match form {
+        Form::Rows(export) => Buffer::<V>::new(&mut rows, room, export.filled(V::COUNT), past),
+        Form::Packed(_) => Buffer::new(&mut rows, room, iter::once(0..whole), past),
+    };
     for (tile, out) in out.chunks_mut(whole).enumerate() {
         let direct = out.len() == whole && !stream;
         let (near, mut past) = buffer.next();

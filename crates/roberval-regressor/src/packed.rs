@@ -387,6 +387,16 @@ impl Export {
         }
     }
 
+    /// Pieces of a tile of so many samples that are not zero for every state.
+    pub(crate) fn filled(&self, samples: usize) -> impl Iterator<Item = Range<usize>> {
+        let length = self.len();
+        (0..samples).flat_map(move |sample| {
+            let first = sample * length;
+            let filled = self.filled.iter();
+            filled.map(move |range| first + range.start..first + range.end)
+        })
+    }
+
     /// Steps that [`Export::write`] takes: blocks of numbers.
     pub(crate) fn steps<V: Lanes>(&self) -> usize {
         let blocks = self.filled.iter().map(|range| range.len() / V::COUNT);

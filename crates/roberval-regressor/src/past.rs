@@ -2,31 +2,40 @@
 
 use std::marker::PhantomData;
 use std::mem;
+use std::ops::Range;
 
 use roberval_scalar::Lanes;
 
 /// Rows that go past the cache some lines at a time: the memory takes them no faster, and is
-/// idle where all come at once.
+/// idle where all come at once. Lines that are zero for every state are not read.
 pub(crate) struct Past<'a, V> {
     from: &'a [f64],
     to: &'a mut [f64],
+    /// The lines to read: numbers, from the first whole line on.
+    filled: &'a [Range<usize>],
+    /// Where the next line is.
+    at: usize,
     /// Numbers at a time: whole lines.
     step: usize,
     lanes: PhantomData<V>,
 }
 
 impl<'a, V: Lanes> Past<'a, V> {
-    /// The first of the rows, so many numbers at a time.
+    /// The first of the rows; where they begin and end amid a line these numbers at once.
     #[inline(always)]
-    fn new(rows: &'a [f64], to: &'a mut [f64], step: usize) -> Self {
-        let head = to.as_ptr().align_offset(size_of::<V>()).min(to.len());
+    fn new(rows: &'a [f64], to: &'a mut [f64], filled: &'a [Range<usize>], step: usize) -> Self {
         let (from, _) = rows.split_at(to.len());
-        let (to_head, to) = to.split_at_mut(head);
-        let (from_head, from) = from.split_at(head);
+        let (to_head, to) = to.split_at_mut(head::<V>(to));
+        let (from_head, from) = from.split_at(to_head.len());
+        let (to, to_tail) = to.split_at_mut(to.len() / V::COUNT * V::COUNT);
+        let (from, from_tail) = from.split_at(to.len());
         to_head.copy_from_slice(from_head);
+        to_tail.copy_from_slice(from_tail);
         Self {
             from,
             to,
+            filled,
+            at: 0,
             step,
             lanes: PhantomData,
         }
@@ -35,7 +44,7 @@ impl<'a, V: Lanes> Past<'a, V> {
     /// Writes the next lines.
     #[inline(always)]
     pub(crate) fn step(&mut self) {
-        if !self.to.is_empty() {
+        if self.at < self.to.len() {
             self.write(self.step);
         }
     }
@@ -48,16 +57,35 @@ impl<'a, V: Lanes> Past<'a, V> {
 
     #[inline(always)]
     fn write(&mut self, most: usize) {
-        let count = most.min(self.to.len());
-        let (to, later) = mem::take(&mut self.to).split_at_mut(count);
-        let (from, rest) = self.from.split_at(count);
-        V::stream(from, to);
-        (self.from, self.to) = (rest, later);
+        let end = self.to.len().min(self.at + most);
+        while self.at < end {
+            let (filled, later) = match self.filled.split_first() {
+                Some((filled, later)) => (filled.clone(), later),
+                None => (end..end, self.filled),
+            };
+            let (start, stop) = (end.min(filled.start), end.min(filled.end));
+            if self.at < start {
+                V::stream_zeros(&mut self.to[self.at..start]);
+                self.at = start;
+            }
+            V::stream(&self.from[self.at..stop], &mut self.to[self.at..stop]);
+            self.at = stop;
+            if stop == filled.end {
+                self.filled = later;
+            }
+        }
     }
 }
 
-/// Tiles of so few numbers stay in the nearest caches together with those of the next tile.
-const NEAR: usize = 1 << 14;
+/// Numbers before the first whole line.
+#[inline(always)]
+fn head<V>(rows: &[f64]) -> usize {
+    rows.as_ptr().align_offset(size_of::<V>()).min(rows.len())
+}
+
+/// Tiles of which so few numbers are not always zero stay in the nearest caches together with
+/// those of the next tile.
+const NEAR: usize = 1 << 15;
 
 /// Where the rows of a tile are written that cannot be written in their place: those that go
 /// past the cache, and those of a last tile that is not full.
@@ -67,6 +95,8 @@ pub(crate) struct Buffer<'a, V: Lanes> {
     before: &'a mut [f64],
     /// Where the rows of the tile before belong, if they have not gone yet.
     waiting: &'a mut [f64],
+    /// Lines of a tile that are not zero for every state, as numbers from the first whole line on.
+    filled: Vec<Range<usize>>,
     stream: bool,
     /// Numbers that go past the cache at a time.
     step: usize,
@@ -74,18 +104,24 @@ pub(crate) struct Buffer<'a, V: Lanes> {
 }
 
 impl<'a, V: Lanes> Buffer<'a, V> {
-    /// Room for tiles of `whole` numbers, `count` in all. Those that go past the cache do so in
-    /// so many steps.
+    /// Room for the tiles of `out`, in which these numbers are not always zero. If they go past
+    /// the cache then in so many steps.
     pub(crate) fn new(
         rows: &'a mut Vec<f64>,
-        [whole, count]: [usize; 2],
-        stream: bool,
-        steps: usize,
+        (whole, out): (usize, &[f64]),
+        filled: impl Iterator<Item = Range<usize>>,
+        (stream, steps): (bool, usize),
     ) -> Self {
-        let two = if stream && whole <= NEAR { 2 } else { 1 };
+        let filled = if stream {
+            lines::<V>(filled, head::<V>(out))
+        } else {
+            Vec::new()
+        };
+        let read: usize = filled.iter().map(Range::len).sum();
+        let two = if stream && read <= NEAR { 2 } else { 1 };
         rows.resize(rows.len().max(two * whole), 0.0);
         let rows = &mut rows[..two * whole];
-        if stream || !count.is_multiple_of(whole.max(1)) {
+        if stream || !out.len().is_multiple_of(whole.max(1)) {
             rows.fill(0.0);
         }
         let (now, before) = rows.split_at_mut(whole);
@@ -93,6 +129,7 @@ impl<'a, V: Lanes> Buffer<'a, V> {
             now,
             before,
             waiting: &mut [],
+            filled,
             stream,
             step: whole.div_ceil(steps.max(1)).next_multiple_of(V::COUNT),
             lanes: PhantomData,
@@ -102,8 +139,11 @@ impl<'a, V: Lanes> Buffer<'a, V> {
     /// Room for the rows of the next tile, and those that go past the cache meanwhile.
     #[inline(always)]
     pub(crate) fn next(&mut self) -> (&mut [f64], Past<'_, V>) {
-        let past = Past::new(self.before, mem::take(&mut self.waiting), self.step);
-        (self.now, past)
+        let waiting = mem::take(&mut self.waiting);
+        (
+            self.now,
+            Past::new(self.before, waiting, &self.filled, self.step),
+        )
     }
 
     /// Takes the tile's rows to their place, or leaves that to the next tile.
@@ -112,7 +152,7 @@ impl<'a, V: Lanes> Buffer<'a, V> {
         if !self.stream {
             out.copy_from_slice(&self.now[..out.len()]);
         } else if self.before.is_empty() {
-            Past::<V>::new(self.now, out, self.step).finish();
+            Past::<V>::new(self.now, out, &self.filled, self.step).finish();
         } else {
             mem::swap(&mut self.now, &mut self.before);
             self.waiting = out;
@@ -135,4 +175,21 @@ impl<V: Lanes> Drop for Buffer<'_, V> {
             V::fence();
         }
     }
+}
+
+/// Zeros between lines that are read with them: so few are told apart no faster than read.
+const GAP: usize = 64;
+
+/// The lines that hold some of these numbers; the first whole line begins after `head`.
+fn lines<V: Lanes>(filled: impl Iterator<Item = Range<usize>>, head: usize) -> Vec<Range<usize>> {
+    let mut lines: Vec<Range<usize>> = Vec::new();
+    for range in filled.filter(|range| range.end > head) {
+        let first = range.start.saturating_sub(head) / V::COUNT * V::COUNT;
+        let end = (range.end - head).next_multiple_of(V::COUNT);
+        match lines.last_mut() {
+            Some(last) if last.end + GAP >= first => last.end = last.end.max(end),
+            _ => lines.push(first..end),
+        }
+    }
+    lines
 }

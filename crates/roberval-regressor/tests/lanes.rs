@@ -1,7 +1,9 @@
 //! Batches in lanes of every width against the scalar path, over generated robots.
 
+use std::ops::RangeInclusive;
+
 use roberval_mechanism::{Mechanism, SourceFormat};
-use roberval_regressor::{Model, Regressor, RegressorError, States};
+use roberval_regressor::{Columns, Model, Regressor, RegressorError, States};
 use roberval_scalar::{SplitMix64, Width};
 use roberval_testkit::{Angles, Family, coupled};
 
@@ -155,28 +157,61 @@ fn a_sample_has_the_same_bits_alone_and_among_others() {
 #[test]
 fn rows_past_the_cache_are_the_same_wherever_they_begin() {
     // With tiles that wait for the next one, and with larger ones.
-    let large = Family {
-        links: (16, 20),
-        ..Family::default()
-    };
-    let large = (0..4).map(|seed| Mechanism::new(&large.robot(seed)).expect("valid"));
-    for (seed, robot) in large.chain(robots().take(36)).enumerate() {
+    for (seed, robot) in trees(16..=20)
+        .chain(trees(40..=44))
+        .chain(robots().take(36))
+        .enumerate()
+    {
         for (samples, width) in SAMPLES.iter().flat_map(|&s| widths().map(move |w| (s, w))) {
             let batch = Batch::random(&robot, samples, seed as u64);
             let regressor = Regressor::new(&robot).with_width(width);
             let model = Model::ALL[seed % 3];
-            let expected = rows(&regressor, model, &batch, samples);
-            let before = seed % 9;
-            let mut memory = vec![f64::NAN; before + expected.len() + 9];
-            let (head, out) = memory.split_at_mut(before);
-            let (out, tail) = out.split_at_mut(expected.len());
-            regressor
-                .fill_part(model, None, batch.states(), out, true)
-                .expect("valid");
-            assert!(same(out, &expected), "robot {seed}, {samples} samples");
-            assert!(head.iter().chain(&*tail).all(|x| x.is_nan()));
+            // Of the first link alone: a tile then ends with lines of zeros.
+            let first = regressor.columns(model, &Vec::from_iter(0..10));
+            for columns in [None, Some(&first)] {
+                let expected = part(&regressor, model, columns, &batch, (samples, 0, false));
+                let rows = part(
+                    &regressor,
+                    model,
+                    columns,
+                    &batch,
+                    (samples, seed % 9, true),
+                );
+                assert!(same(&rows, &expected), "robot {seed}, {samples} samples");
+            }
         }
     }
+}
+
+/// A few large trees.
+fn trees(links: RangeInclusive<usize>) -> impl Iterator<Item = Mechanism> {
+    let family = Family {
+        links: links.into_inner(),
+        ..Family::default()
+    };
+    (0..2).map(move |seed| Mechanism::new(&family.robot(seed)).expect("valid"))
+}
+
+/// Rows that begin so many numbers into an array, of which no other is touched.
+fn part(
+    regressor: &Regressor,
+    model: Model,
+    columns: Option<&Columns>,
+    batch: &Batch,
+    (samples, before, past_cache): (usize, usize, bool),
+) -> Vec<f64> {
+    let width = columns.map_or(regressor.parameters().len(), |columns| {
+        columns.columns().len()
+    });
+    let count = samples * model.rows(regressor.independent()) * width;
+    let mut memory = vec![f64::NAN; before + count + 9];
+    let (head, out) = memory.split_at_mut(before);
+    let (out, tail) = out.split_at_mut(count);
+    regressor
+        .fill_part(model, columns, batch.states(), out, past_cache)
+        .expect("valid");
+    assert!(head.iter().chain(&*tail).all(|x| x.is_nan()));
+    out.to_vec()
 }
 
 #[test]

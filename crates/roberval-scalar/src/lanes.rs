@@ -98,12 +98,17 @@ pub trait Lanes: Lift<f64> + Debug + Send + Sync + 'static {
     }
 
     /// Copies past the cache, for results that are larger than it, if `to` begins where lanes
-    /// do (a multiple of their size). Call [`Lanes::fence`] after the last copy.
+    /// do (a multiple of their size). Call [`Lanes::fence`] at last.
     fn stream(from: &[f64], to: &mut [f64]) {
         to.copy_from_slice(from);
     }
 
-    /// Ends what was copied past the cache, so that other threads see it.
+    /// Zeros past the cache, in the same way.
+    fn stream_zeros(to: &mut [f64]) {
+        to.fill(0.0);
+    }
+
+    /// Ends what was written past the cache, so that other threads see it.
     fn fence() {}
 }
 

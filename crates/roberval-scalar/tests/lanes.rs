@@ -303,23 +303,34 @@ impl Task for Copy<'_> {
     }
 }
 
+struct Zeros<'a>(&'a mut [f64]);
+
+impl Task for Zeros<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Lanes>(self) {
+        V::stream_zeros(self.0);
+        V::fence();
+    }
+}
+
 #[test]
-fn streams_copy_every_number_at_any_alignment() {
+fn streams_write_every_number_and_no_other_at_any_alignment() {
     let numbers: Vec<f64> = (0..100).map(f64::from).collect();
+    let zeros = vec![0.0; 100];
     for width in widths() {
         for (from, to, count) in [(0, 0, 100), (1, 3, 61), (5, 2, 7), (0, 7, 0), (3, 1, 64)] {
-            let mut out = vec![-1.0; 120];
-            dispatch(
-                width,
-                Copy(&numbers[from..from + count], &mut out[to..to + count]),
-            );
-            assert_eq!(out[to..to + count], numbers[from..from + count]);
-            assert!(
-                out[..to]
-                    .iter()
-                    .chain(&out[to + count..])
-                    .all(|x| *x == -1.0)
-            );
+            let written = |expected: &[f64], write: &dyn Fn(&mut [f64])| {
+                let mut out = vec![-1.0; 120];
+                write(&mut out[to..to + count]);
+                assert_eq!(out[to..to + count], *expected);
+                let mut others = out[..to].iter().chain(&out[to + count..]);
+                assert!(others.all(|x| *x == -1.0));
+            };
+            let numbers = &numbers[from..from + count];
+            written(numbers, &|out| dispatch(width, Copy(numbers, out)));
+            written(&zeros[..count], &|out| dispatch(width, Zeros(out)));
         }
     }
 }

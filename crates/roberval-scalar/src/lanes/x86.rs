@@ -272,6 +272,19 @@ macro_rules! lanes {
             }
 
             #[inline(always)]
+            fn stream_zeros(to: &mut [f64]) {
+                if to.as_ptr().align_offset(8 * $count) != 0 {
+                    return to.fill(0.0);
+                }
+                let mut lines = to.chunks_exact_mut($count);
+                for line in lines.by_ref() {
+                    // SAFETY: `line` is aligned and has COUNT numbers.
+                    unsafe { $stream(line.as_mut_ptr(), Self::lift(0.0).0) }
+                }
+                lines.into_remainder().fill(0.0);
+            }
+
+            #[inline(always)]
             fn fence() {
                 // SAFETY: a fence touches nothing.
                 unsafe { _mm_sfence() }
