@@ -1,12 +1,14 @@
 """Time roberval's wheel against Pinocchio in C++ on the same robots, in one run and thread.
 
-    pip install .[peers] cmeel-eigen scipy
-    python benches/against_pinocchio_native.py
+    pip install .
+    python benches/against_pinocchio_native.py --install
 
-The C++ loop (`pinocchio_loop.cpp`) is compiled for this processor against the headers of
-Pinocchio's wheel; without a compiler or headers the script says so and ends. roberval is called
-from Python, with `out=` arrays. CPU time is counted, a calibration around each measurement drops
-rounds in which the core was not all ours, and C++ runs before and after. Trust the ratios.
+`--install` first installs what roberval is measured against from PyPI, into the same environment:
+best a virtual one. The C++ loop (`pinocchio_loop.cpp`) is compiled for this processor against the
+headers of Pinocchio's wheel; without a compiler or headers the script says so and ends. roberval
+is called from Python, with `out=` arrays. CPU time is counted, a calibration around each
+measurement drops rounds in which the core was not all ours, and C++ runs before and after. Trust
+the ratios.
 
 The targets are those of issue 5 for AVX-512. For AVX2 on such a processor (other targets):
 
@@ -32,6 +34,7 @@ os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
 import numpy as np
 from against_pinocchio import FOLDER, STEADY, Task, calibration, seconds
 
+NEEDED = ("pin>=4", "cmeel-eigen", "example-robot-data>=6", "scipy")
 # What CMake would pass to users of Pinocchio.
 DEFINITIONS = (
     "BOOST_MPL_LIMIT_LIST_SIZE=30",
@@ -57,12 +60,11 @@ WIDE = int(os.environ.get("ROBERVAL_LANES", "8")) >= 8
 
 @dataclass
 class Peers:
-    """Pinocchio's times, ns a sample."""
+    """Pinocchio's times, ns a sample, and the program that takes them."""
 
     regressor: float
     rnea: float
-    stores: float
-    """GB/s past the cache."""
+    binary: Path
 
 
 def tree() -> str:
@@ -122,7 +124,7 @@ def compiled(folder: Path) -> Path | None:
     eigen = include("cmeel-eigen", "eigen3") or Path("/usr/include/eigen3")
     headers = [include("pin", ""), eigen]
     if compiler is None or headers[0] is None or not eigen.exists():
-        print("skipped: g++ and the headers of pin and cmeel-eigen are needed")
+        print("skipped: g++ is needed, and pin and cmeel-eigen, which --install brings")
         return None
     binary = folder / "loop"
     source = Path(__file__).with_name("pinocchio_loop.cpp")
@@ -189,16 +191,19 @@ def regressors(name: str, robot: Any, base: Any, cpp: Peers) -> None:
 
 
 def in_memory(name: str, robot: Any, cpp: Peers) -> None:
-    """Print W past the cache, and its share of the rate of stores."""
+    """Print W past the cache, and its share of the rate of stores, for zeros that of zeros."""
     n, c = robot.n, len(robot.parameters)
     count = min(LARGE, 2**29 // (8 * n * c))
     large = np.random.default_rng(1).uniform(-1, 1, (3, count, n))
     memory = np.zeros((count, n, c))
     times = best(lambda: robot.regressor(*large, out=memory, threads=1)) / count * 1e9
     row(name, "W, in memory", times, cpp.regressor, (8, 8))
-    share = memory.nbytes / count / times / cpp.stores
+    stores, zeros = map(max, zip(*(printed(cpp.binary) for _ in range(3)), strict=True))
+    lines = memory.ravel()[-memory.ctypes.data // 8 % 8 :][: 8 * LARGE].reshape(-1, 8)
+    empty = 1 - np.mean(lines.any(axis=1))
+    share = 8 * n * c * (empty / zeros + (1 - empty) / stores) / times
     missed = "" if share >= 0.6 else " missed"
-    rate = f"of the stores' {cpp.stores:.1f} GB/s"
+    rate = f"of {stores:.0f} GB/s, zeros {zeros:.0f}"
     print(f"{name:7} {rate:30} {share:27.0%}   60%{missed}", flush=True)
 
 
@@ -296,13 +301,16 @@ def scalar_path(robots: dict[str, Any]) -> None:
 
 def main() -> int:
     """Print the table."""
+    if "--install" in sys.argv[1:]:
+        subprocess.run([sys.executable, "-m", "pip", "install", *NEEDED], check=True)
     try:
         import pinocchio  # noqa: F401
         import roberval as rv
+        import scipy  # noqa: F401
 
         solo = Path(str(distribution("example-robot-data").locate_file(FOLDER)))
     except (ImportError, PackageNotFoundError) as missing:
-        print(f"skipped: {missing}; pip install .[peers] brings what is compared")
+        print(f"skipped: {missing}; --install brings what is compared")
         return 0
     robots = {
         "puma": rv.load("puma560"),
@@ -331,7 +339,7 @@ def main() -> int:
             path = Path(binary.parent, name)
             path.write_text(described(robot))
             pairs = [printed(binary, path) for _ in range(3)]
-            cpp = Peers(*map(min, zip(*pairs, strict=True)), max(printed(binary)))
+            cpp = Peers(*map(min, zip(*pairs, strict=True)), binary)
             base = robot.base_parameters()
             regressors(name, robot, base, cpp)
             in_memory(name, robot, cpp)
