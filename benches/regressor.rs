@@ -3,7 +3,7 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use roberval_base::{Options, Samples, base_parameters};
 use roberval_benches::{robots, short};
-use roberval_regressor::{Model, Regressor};
+use roberval_regressor::{Model, Regressor, Writing};
 use roberval_scalar::{Lanes, Task, Width, dispatch};
 
 const BATCH: usize = 1000;
@@ -63,19 +63,23 @@ fn columns(criterion: &mut Criterion) {
             .expect("a rank")
             .base;
         let columns = regressor.columns(Model::D, &base);
-        for (count, past_cache) in [(64, false), (BATCH, true)] {
+        for (what, count, past_cache, keep_zeros) in [
+            ("in cache", 64, false, false),
+            ("in cache, zeros kept", 64, false, true),
+            ("past the cache", BATCH, true, false),
+            ("past the cache, zeros kept", BATCH, true, true),
+        ] {
+            let writing = Writing {
+                past_cache,
+                keep_zeros,
+            };
             let samples = Samples::draw(&robot, count, 1).expect("samples");
             let mut out = vec![0.0; count * robot.dof() * base.len()];
             group.throughput(Throughput::Elements(count as u64));
-            let what = if past_cache {
-                "past the cache"
-            } else {
-                "in cache"
-            };
             group.bench_function(BenchmarkId::new(what, name), |b| {
                 b.iter(|| {
                     let (to, states) = (&mut out, samples.states());
-                    regressor.fill_part(Model::D, Some(&columns), states, to, past_cache)
+                    regressor.fill_part(Model::D, Some(&columns), states, to, writing)
                 });
             });
         }

@@ -274,6 +274,36 @@ def test_parameters_in_any_form_give_the_same_torques(puma: rv.Robot, states: St
         assert (puma.torques(*states, same) == expected).all()
 
 
+@pytest.mark.parametrize("count", [1, 5, 8, 3000])
+@pytest.mark.parametrize("model", ["d", "d0", "h"])
+def test_kept_zeros_give_the_same_rows(puma: rv.Robot, count: int, model: rv.Model) -> None:
+    # 3000 states go past the cache.
+    out = puma.regressor(*random_states(puma, count), model=model)
+    states = random_states(puma, count + 1)
+    q, qd, qdd = (array[1:] for array in states)
+    expected = puma.regressor(q, qd, qdd, model)
+    assert (expected != out).any()
+    assert puma.regressor(q, qd, qdd, model, out=out, keep_zeros=True) is out
+    np.testing.assert_array_equal(out, expected)
+    base = puma.base_parameters(model=model)
+    d1 = np.zeros_like(base.regressor(q, qd, qdd))
+    base.regressor(q, qd, qdd, out=d1, keep_zeros=True)
+    np.testing.assert_array_equal(d1, base.regressor(q, qd, qdd))
+
+
+def test_zeros_to_keep_that_are_none_are_refused(puma: rv.Robot) -> None:
+    states = random_states(puma, 20)
+    out = puma.regressor(*states)
+    wrong = np.where(out == 0, 3.0, out)
+    with pytest.raises(rv.ArrayError, match=r"^out has 3 in row \d+, column \d+ of sample 0, "):
+        puma.regressor(*states, out=wrong, keep_zeros=True)
+    wrong[:-1] = out[:-1]
+    with pytest.raises(rv.ArrayError, match=r"of sample 19, which is zero in every state"):
+        puma.regressor(*states, out=wrong, keep_zeros=True)
+    with pytest.raises(rv.OptionError, match="keep_zeros needs out"):
+        puma.regressor(*states, keep_zeros=True)
+
+
 def test_the_reduced_model_takes_out_too(base: rv.BaseParameters) -> None:
     states = random_states(base.robot, N)
     out = np.empty((N, n, base.rank))

@@ -85,6 +85,7 @@ class Robot:
         qdd: object,
         out: object,
         threads: int | None,
+        keep_zeros: bool,
     ) -> bool: ...
     def packed(
         self,

@@ -287,6 +287,7 @@ class BaseParameters(Rendered):
         *,
         out: Array | None = None,
         threads: int | None = None,
+        keep_zeros: bool = False,
     ) -> Array:
         """Evaluate the reduced model d1 (d0, h1: the model of the analysis).
 
@@ -301,7 +302,8 @@ class BaseParameters(Rendered):
         if self._columns_ready is None:
             columns = self._robot._inner.columns(self.model, self._inner.base)
             self._columns_ready = (columns, self.rank)
-        return self._robot._rows(self.model, self._columns_ready, q, qd, qdd, out, threads)
+        ready = self._columns_ready
+        return self._robot._rows(self.model, ready, q, qd, qdd, out, threads, keep_zeros)
 
     def certificate(self) -> dict[str, Any]:
         """Return what was decided and how, for a checker that shares nothing with roberval.

@@ -61,7 +61,10 @@ impl IntoPython for RegressorError {
     fn into_python(self, py: Python<'_>) -> PyErr {
         let class = match self {
             Self::Length { .. } => "ShapeError",
-            Self::NotFinite { .. } | Self::Quaternion { .. } | Self::NoValue { .. } => "ArrayError",
+            Self::NotFinite { .. }
+            | Self::NotZero { .. }
+            | Self::Quaternion { .. }
+            | Self::NoValue { .. } => "ArrayError",
         };
         raise(py, class, &self.to_string())
     }

@@ -9,7 +9,7 @@ use roberval_formats::{
     self as formats, FormatError, UrdfOptions, load_with, parse_toml, parse_urdf, to_toml, to_urdf,
 };
 use roberval_mechanism::{Couple, Mechanism, RobotDescription, SourceFormat};
-use roberval_regressor::{Model, Regressor, RegressorError, States};
+use roberval_regressor::{Model, Regressor, RegressorError, States, Writing};
 use roberval_tables as tables;
 
 use crate::answer::{Answer, Comparison};
@@ -279,6 +279,7 @@ impl Robot {
         qdd: &Bound<'py, PyAny>,
         out: &Bound<'py, PyAny>,
         threads: Option<usize>,
+        keep_zeros: bool,
     ) -> PyResult<bool> {
         let model = options::model(py, model)?;
         let columns = columns.map(|columns| &columns.0);
@@ -297,7 +298,11 @@ impl Robot {
         };
         self.fill(py, [q, qd, qdd], out, tiles, |states, out, past_cache| {
             let regressor = &self.regressor;
-            regressor.fill_part(model, columns, states, out, past_cache)
+            let writing = Writing {
+                past_cache,
+                keep_zeros,
+            };
+            regressor.fill_part(model, columns, states, out, writing)
         })
     }
 

@@ -349,6 +349,7 @@ fn shift(mut error: RegressorError, first: usize) -> RegressorError {
     match &mut error {
         RegressorError::NotFinite { sample, .. }
         | RegressorError::Quaternion { sample, .. }
+        | RegressorError::NotZero { sample, .. }
         | RegressorError::NoValue { sample, .. } => *sample += first,
         RegressorError::Length { .. } => {}
     }

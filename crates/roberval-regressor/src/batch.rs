@@ -66,6 +66,27 @@ pub struct Regressor {
     pool: Pool,
 }
 
+/// How rows are written.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Writing {
+    /// Past the cache, where they would not stay anyway.
+    pub past_cache: bool,
+    /// Leave alone what is zero in every state: it is zero already, from earlier rows of the
+    /// same columns or from the beginning. Some of the first and the last sample are looked at.
+    /// Single states, and what is not computed in lanes, are written whole.
+    pub keep_zeros: bool,
+}
+
+impl Writing {
+    /// All of `out`, past the cache if it is too large to stay in it.
+    fn whole(out: &[f64]) -> Self {
+        Self {
+            past_cache: size_of_val(out) > STREAM_BYTES,
+            keep_zeros: false,
+        }
+    }
+}
+
 /// A choice of columns of a model, made ready.
 #[derive(Debug, Clone)]
 pub struct Columns {
@@ -156,7 +177,7 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        self.fill_packed_part(model, states, out, past_cache(out))
+        self.fill_packed_part(model, states, out, Writing::whole(out).past_cache)
     }
 
     /// As [`Regressor::fill_packed`] for a part of a larger batch, past the cache if told so.
@@ -179,7 +200,11 @@ impl Regressor {
             check_length("out", expected, out.len(), &shape)?;
         }
         let form = Form::Packed(layout.entries().len());
-        self.run(model, states, form, self.width, out, past_cache)
+        let writing = Writing {
+            past_cache,
+            keep_zeros: false,
+        };
+        self.run(model, states, form, self.width, out, writing)
     }
 
     /// The robot's constants.
@@ -251,7 +276,7 @@ impl Regressor {
         form: Form<'_>,
         width: Width,
         out: &mut [f64],
-        stream: bool,
+        writing: Writing,
     ) -> Result<(), RegressorError> {
         let task = Fill {
             pool: &self.pool,
@@ -259,7 +284,7 @@ impl Regressor {
             model,
             states,
             form,
-            stream,
+            writing,
             out,
         };
         dispatch(width, task).map_err(|fault| self.fault(fault, states))
@@ -271,6 +296,12 @@ impl Regressor {
         let widths = (self.positions(), self.independent());
         match fault {
             Fault::NoValue(sample, error) => RegressorError::NoValue { sample, error },
+            Fault::NotZero([sample, row, column], value) => RegressorError::NotZero {
+                sample,
+                row,
+                column,
+                value,
+            },
             Fault::Tile(first) => states.not_finite(first, widths).unwrap_or_else(|| {
                 let what = "the state of a joint that follows others".to_owned();
                 let error = NoValue::Number { what };
@@ -341,7 +372,7 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        self.fill_part(model, None, states, out, past_cache(out))
+        self.fill_part(model, None, states, out, Writing::whole(out))
     }
 
     /// A choice of columns, in the order given: the reduced models d1 and h1. Fills
@@ -357,21 +388,21 @@ impl Regressor {
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
         let columns = self.columns(model, columns);
-        self.fill_part(model, Some(&columns), states, out, past_cache(out))
+        self.fill_part(model, Some(&columns), states, out, Writing::whole(out))
     }
 
-    /// All columns, or those of `columns`, for a part of a larger batch: past the cache if
-    /// told so.
+    /// All columns, or those of `columns`, for a part of a larger batch.
     ///
     /// # Errors
-    /// [`RegressorError`] if an array has the wrong length or a state is not finite.
+    /// [`RegressorError`] if an array has the wrong length, a state is not finite, or zeros are
+    /// to be kept that are none.
     pub fn fill_part(
         &self,
         model: Model,
         columns: Option<&Columns>,
         states: States<'_>,
         out: &mut [f64],
-        past_cache: bool,
+        writing: Writing,
     ) -> Result<(), RegressorError> {
         let model = columns.map_or(model, |columns| columns.model);
         let width = columns.map_or(self.space.len(), |c| c.columns.len());
@@ -380,7 +411,7 @@ impl Regressor {
             check_out(model, samples, self.independent(), width, out.len())?;
             let export = columns.map_or(&self.exports[family(model)], |c| &c.export);
             let width = self.width_for(samples);
-            return self.run(model, states, Form::Rows(export), width, out, past_cache);
+            return self.run(model, states, Form::Rows(export), width, out, writing);
         }
         let samples = self.check(states)?;
         check_out(model, samples, self.independent(), width, out.len())?;
@@ -524,11 +555,6 @@ impl Regressor {
     fn motions<'a>(&'a self, model: Model, states: States<'a>) -> Motions<'a> {
         Motions::new(&self.tree, self.expansion.as_ref(), model, states)
     }
-}
-
-/// Whether a result is too large to stay in the cache.
-fn past_cache(out: &[f64]) -> bool {
-    size_of_val(out) > STREAM_BYTES
 }
 
 /// d and d0 have the same nonzeros, h has others.

@@ -15,7 +15,7 @@ use crate::tile::Tile;
 use crate::tree_states::{Expanded, TreeStates};
 use crate::{
     DynamicsWorkspace, EnergyWorkspace, Expansion, Model, NoValue, Sink, States, Torques, Tree,
-    dynamics, energy,
+    Writing, dynamics, energy,
 };
 
 /// Why a batch has no rows.
@@ -25,6 +25,8 @@ pub(crate) enum Fault {
     Tile(usize),
     /// The constraints have no value at a sample.
     NoValue(usize, NoValue),
+    /// Of the zeros to keep, that of this sample, row and column is this number.
+    NotZero([usize; 3], f64),
 }
 
 /// Samples after which loops are closed from the first configuration anew: rows then depend
@@ -174,8 +176,7 @@ pub(crate) struct Fill<'a> {
     pub states: States<'a>,
     pub form: Form<'a>,
     pub out: &'a mut [f64],
-    /// Write past the cache.
-    pub stream: bool,
+    pub writing: Writing,
 }
 
 impl Task for Fill<'_> {
@@ -192,19 +193,20 @@ impl Task for Fill<'_> {
             Form::Rows(export) => export.len(),
             Form::Packed(slots) => slots,
         };
+        let mut writing = self.writing;
+        // Single states are cleared in no time.
+        writing.keep_zeros &= V::COUNT > 1;
+        if let (true, Form::Rows(export)) = (writing.keep_zeros, self.form)
+            && let Some(at) = export.not_zero(self.out)
+        {
+            return Err(Fault::NotZero(export.place(at), self.out[at]));
+        }
         let mut expanded = mem::take(&mut work.expanded);
         let whole = stretch(robot, self.out.len(), length);
         for (k, out) in self.out.chunks_mut(whole).enumerate() {
             let still = model == Model::D0;
             let states = robot.states(self.states, k, still, &mut expanded)?;
-            write(
-                robot,
-                model,
-                &states,
-                &mut work,
-                (self.form, self.stream),
-                out,
-            )?;
+            write(robot, model, &states, &mut work, (self.form, writing), out)?;
         }
         work.expanded = expanded;
         self.pool.give(work);
@@ -227,7 +229,7 @@ fn write<V: Lanes>(
     model: Model,
     states: &TreeStates<'_>,
     work: &mut Work<V>,
-    (form, stream): (Form<'_>, bool),
+    (form, writing): (Form<'_>, Writing),
     out: &mut [f64],
 ) -> Result<(), Fault> {
     if let (1, Form::Rows(export)) = (V::COUNT, form)
@@ -241,7 +243,7 @@ fn write<V: Lanes>(
             out.chunks_exact_mut(export.len()),
         );
     }
-    let stream = stream && V::STREAMS;
+    let (stream, keep) = (writing.past_cache && V::STREAMS, writing.keep_zeros);
     let projection = robot.projection.filter(|_| model != Model::H);
     let (slots, length, steps) = match form {
         Form::Rows(export) => (export.slots(), export.len(), export.steps::<V>()),
@@ -255,7 +257,7 @@ fn write<V: Lanes>(
         with_zero(&mut projected, slots);
     }
     let whole = V::COUNT * length;
-    let (room, past) = ((whole, &*out), (stream, steps));
+    let (room, past) = ((whole, &*out), (stream, keep, steps));
     let mut buffer = match form {
         Form::Rows(export) => Buffer::<V>::new(&mut rows, room, export.filled(V::COUNT), past),
         Form::Packed(_) => Buffer::new(&mut rows, room, iter::once(0..whole), past),
@@ -285,7 +287,7 @@ fn write<V: Lanes>(
                         export.write_one(V::numbers(stage), to);
                     }
                     Form::Rows(export) if stream => export.write(stage, to, true, || past.step()),
-                    Form::Rows(export) => export.write(stage, to, !direct, || ()),
+                    Form::Rows(export) => export.write(stage, to, keep || !direct, || ()),
                 }
             }
         }

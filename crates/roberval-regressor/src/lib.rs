@@ -39,7 +39,7 @@ mod vector;
 mod workspace;
 
 pub use base::{BaseState, squared_length};
-pub use batch::{Columns, Model, Regressor, STREAM_BYTES};
+pub use batch::{Columns, Model, Regressor, STREAM_BYTES, Writing};
 pub use dynamics::dynamics;
 pub use energy::{EnergyWorkspace, energy};
 pub use exact::{

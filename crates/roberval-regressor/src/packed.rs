@@ -1,6 +1,7 @@
 //! The nonzeros of the regressor, packed: what the lanes compute.
 
 use std::collections::BTreeMap;
+use std::iter;
 use std::ops::Range;
 
 use roberval_mechanism::ParameterSpace;
@@ -311,8 +312,9 @@ pub(crate) struct Export {
     places: Option<Vec<u32>>,
     /// Pieces of `sources` that have a slot, as multiples of 8 numbers; the rest is zero.
     filled: Vec<Range<usize>>,
-    /// Number of slots.
+    /// Number of slots, and numbers of a row.
     slots: usize,
+    width: usize,
 }
 
 /// Numbers are exported in blocks of so many.
@@ -357,12 +359,38 @@ impl Export {
             sources,
             filled,
             slots,
+            width,
         }
     }
 
     /// Numbers of one sample.
     pub(crate) fn len(&self) -> usize {
         self.sources.len()
+    }
+
+    /// Sample, row and column of a number of samples' rows.
+    pub(crate) fn place(&self, at: usize) -> [usize; 3] {
+        let (length, width) = (self.len(), self.width);
+        [at / length, at % length / width, at % width]
+    }
+
+    /// Where rows have a number that is zero for every state: a look at both ends of each gap
+    /// between numbers, in the first and the last sample.
+    #[inline(always)]
+    pub(crate) fn not_zero(&self, out: &[f64]) -> Option<usize> {
+        let length = self.len();
+        let last = out.len().checked_div(length)?.checked_sub(1)?;
+        [0, last].into_iter().find_map(|sample| {
+            let first = sample * length;
+            let ends = self.filled.iter().map(|range| range.end);
+            let starts = self.filled.iter().map(|range| range.start);
+            let gaps = iter::once(0).chain(ends).zip(starts.chain([length]));
+            let mut gaps = gaps.filter(|(start, end)| start < end);
+            gaps.find_map(|(start, end)| {
+                let mut places = [first + start, first + end - 1].into_iter();
+                places.find(|&at| out[at] != 0.0)
+            })
+        })
     }
 
     /// Where each group of columns belongs, if each stays together.

@@ -6,24 +6,32 @@ use std::ops::Range;
 
 use roberval_scalar::Lanes;
 
+/// The lines of a tile.
+struct Lines {
+    /// Those that are not zero for every state: numbers, from the first whole line on.
+    filled: Vec<Range<usize>>,
+    /// Numbers that go past the cache at a time: whole lines.
+    step: usize,
+    /// Leave the other lines alone: they are zero.
+    keep_zeros: bool,
+}
+
 /// Rows that go past the cache some lines at a time: the memory takes them no faster, and is
 /// idle where all come at once. Lines that are zero for every state are not read.
 pub(crate) struct Past<'a, V> {
     from: &'a [f64],
     to: &'a mut [f64],
-    /// The lines to read: numbers, from the first whole line on.
-    filled: &'a [Range<usize>],
-    /// Where the next line is.
+    lines: &'a Lines,
+    /// Where the next line is, and what is filled from there on.
     at: usize,
-    /// Numbers at a time: whole lines.
-    step: usize,
+    filled: &'a [Range<usize>],
     lanes: PhantomData<V>,
 }
 
 impl<'a, V: Lanes> Past<'a, V> {
     /// The first of the rows; where they begin and end amid a line these numbers at once.
     #[inline(always)]
-    fn new(rows: &'a [f64], to: &'a mut [f64], filled: &'a [Range<usize>], step: usize) -> Self {
+    fn new(rows: &'a [f64], to: &'a mut [f64], lines: &'a Lines) -> Self {
         let (from, _) = rows.split_at(to.len());
         let (to_head, to) = to.split_at_mut(head::<V>(to));
         let (from_head, from) = from.split_at(to_head.len());
@@ -34,9 +42,9 @@ impl<'a, V: Lanes> Past<'a, V> {
         Self {
             from,
             to,
-            filled,
+            lines,
             at: 0,
-            step,
+            filled: &lines.filled,
             lanes: PhantomData,
         }
     }
@@ -45,7 +53,7 @@ impl<'a, V: Lanes> Past<'a, V> {
     #[inline(always)]
     pub(crate) fn step(&mut self) {
         if self.at < self.to.len() {
-            self.write(self.step);
+            self.write(self.lines.step);
         }
     }
 
@@ -64,10 +72,10 @@ impl<'a, V: Lanes> Past<'a, V> {
                 None => (end..end, self.filled),
             };
             let (start, stop) = (end.min(filled.start), end.min(filled.end));
-            if self.at < start {
+            if self.at < start && !self.lines.keep_zeros {
                 V::stream_zeros(&mut self.to[self.at..start]);
-                self.at = start;
             }
+            self.at = self.at.max(start);
             V::stream(&self.from[self.at..stop], &mut self.to[self.at..stop]);
             self.at = stop;
             if stop == filled.end {
@@ -95,11 +103,8 @@ pub(crate) struct Buffer<'a, V: Lanes> {
     before: &'a mut [f64],
     /// Where the rows of the tile before belong, if they have not gone yet.
     waiting: &'a mut [f64],
-    /// Lines of a tile that are not zero for every state, as numbers from the first whole line on.
-    filled: Vec<Range<usize>>,
+    lines: Lines,
     stream: bool,
-    /// Numbers that go past the cache at a time.
-    step: usize,
     lanes: PhantomData<V>,
 }
 
@@ -110,14 +115,17 @@ impl<'a, V: Lanes> Buffer<'a, V> {
         rows: &'a mut Vec<f64>,
         (whole, out): (usize, &[f64]),
         filled: impl Iterator<Item = Range<usize>>,
-        (stream, steps): (bool, usize),
+        (stream, keep_zeros, steps): (bool, bool, usize),
     ) -> Self {
-        let filled = if stream {
-            lines::<V>(filled, head::<V>(out))
-        } else {
-            Vec::new()
+        let lines = Lines {
+            filled: match stream {
+                true => lines::<V>(filled, head::<V>(out)),
+                false => Vec::new(),
+            },
+            step: whole.div_ceil(steps.max(1)).next_multiple_of(V::COUNT),
+            keep_zeros,
         };
-        let read: usize = filled.iter().map(Range::len).sum();
+        let read: usize = lines.filled.iter().map(Range::len).sum();
         let two = if stream && read <= NEAR { 2 } else { 1 };
         rows.resize(rows.len().max(two * whole), 0.0);
         let rows = &mut rows[..two * whole];
@@ -129,9 +137,8 @@ impl<'a, V: Lanes> Buffer<'a, V> {
             now,
             before,
             waiting: &mut [],
-            filled,
+            lines,
             stream,
-            step: whole.div_ceil(steps.max(1)).next_multiple_of(V::COUNT),
             lanes: PhantomData,
         }
     }
@@ -140,10 +147,7 @@ impl<'a, V: Lanes> Buffer<'a, V> {
     #[inline(always)]
     pub(crate) fn next(&mut self) -> (&mut [f64], Past<'_, V>) {
         let waiting = mem::take(&mut self.waiting);
-        (
-            self.now,
-            Past::new(self.before, waiting, &self.filled, self.step),
-        )
+        (self.now, Past::new(self.before, waiting, &self.lines))
     }
 
     /// Takes the tile's rows to their place, or leaves that to the next tile.
@@ -152,7 +156,7 @@ impl<'a, V: Lanes> Buffer<'a, V> {
         if !self.stream {
             out.copy_from_slice(&self.now[..out.len()]);
         } else if self.before.is_empty() {
-            Past::<V>::new(self.now, out, &self.filled, self.step).finish();
+            Past::<V>::new(self.now, out, &self.lines).finish();
         } else {
             mem::swap(&mut self.now, &mut self.before);
             self.waiting = out;

@@ -39,6 +39,20 @@ pub enum RegressorError {
         /// What was found.
         value: f64,
     },
+    /// Zeros were to be kept that are none.
+    #[error(
+        "out has {value} in row {row}, column {column} of sample {sample}, which is zero in every state: for keep_zeros hand in an array of zeros, or one from an earlier call for the same columns"
+    )]
+    NotZero {
+        /// Sample, from 0.
+        sample: usize,
+        /// Row, from 0.
+        row: usize,
+        /// Column, from 0.
+        column: usize,
+        /// What was found.
+        value: f64,
+    },
     /// The constraints have no value at a state.
     #[error("sample {sample}: {error}")]
     NoValue {

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use roberval_mechanism::{Mechanism, SourceFormat};
-use roberval_regressor::{Columns, Model, Regressor, RegressorError, States};
+use roberval_regressor::{Columns, Model, Regressor, RegressorError, States, Writing};
 use roberval_scalar::{SplitMix64, Width};
 use roberval_testkit::{Angles, Family, coupled};
 
@@ -155,7 +155,7 @@ fn a_sample_has_the_same_bits_alone_and_among_others() {
 }
 
 #[test]
-fn rows_past_the_cache_are_the_same_wherever_they_begin() {
+fn rows_past_the_cache_and_between_zeros_are_the_same_wherever_they_begin() {
     // With tiles that wait for the next one, and with larger ones.
     for (seed, robot) in trees(16..=20)
         .chain(trees(40..=44))
@@ -169,18 +169,59 @@ fn rows_past_the_cache_are_the_same_wherever_they_begin() {
             // Of the first link alone: a tile then ends with lines of zeros.
             let first = regressor.columns(model, &Vec::from_iter(0..10));
             for columns in [None, Some(&first)] {
-                let expected = part(&regressor, model, columns, &batch, (samples, 0, false));
-                let rows = part(
-                    &regressor,
-                    model,
-                    columns,
-                    &batch,
-                    (samples, seed % 9, true),
-                );
-                assert!(same(&rows, &expected), "robot {seed}, {samples} samples");
+                let all = (samples, 0, Writing::default());
+                let expected = part(&regressor, model, columns, &batch, all);
+                for (past_cache, keep_zeros) in [(true, false), (true, true), (false, true)] {
+                    let writing = Writing {
+                        past_cache,
+                        keep_zeros,
+                    };
+                    let to = (samples, seed % 9, writing);
+                    let rows = part(&regressor, model, columns, &batch, to);
+                    assert!(same(&rows, &expected), "robot {seed}, {samples} samples");
+                }
             }
         }
     }
+}
+
+#[test]
+fn zeros_to_keep_that_are_none_are_named() {
+    let mut named = 0;
+    for (seed, robot) in robots().enumerate().take(20) {
+        for (samples, width) in SAMPLES.iter().flat_map(|&s| widths().map(move |w| (s, w))) {
+            let batch = Batch::random(&robot, samples, seed as u64);
+            let regressor = Regressor::new(&robot).with_width(width);
+            let rows = rows(&regressor, Model::D, &batch, samples);
+            let (n, columns) = (regressor.independent(), regressor.parameters().len());
+            let writing = Writing {
+                past_cache: seed % 2 == 0,
+                keep_zeros: true,
+            };
+            let fill =
+                |out: &mut [f64]| regressor.fill_part(Model::D, None, batch.states(), out, writing);
+            // All samples, or the last one alone.
+            for from in [0, (samples - 1) * n * columns] {
+                let mut out = vec![0.0; rows.len()];
+                out[from..].fill(7.0);
+                match fill(&mut out) {
+                    Err(RegressorError::NotZero {
+                        sample,
+                        row,
+                        column,
+                        value,
+                    }) => {
+                        let at = (sample * n + row) * columns + column;
+                        assert!(at >= from && rows[at] == 0.0 && value == 7.0);
+                        named += 1;
+                    }
+                    // Zeros beside numbers are written with them, and all of single states.
+                    other => assert!(other.is_ok() && same(&out, &rows), "robot {seed}"),
+                }
+            }
+        }
+    }
+    assert!(named > 0);
 }
 
 /// A few large trees.
@@ -198,7 +239,7 @@ fn part(
     model: Model,
     columns: Option<&Columns>,
     batch: &Batch,
-    (samples, before, past_cache): (usize, usize, bool),
+    (samples, before, writing): (usize, usize, Writing),
 ) -> Vec<f64> {
     let width = columns.map_or(regressor.parameters().len(), |columns| {
         columns.columns().len()
@@ -207,8 +248,11 @@ fn part(
     let mut memory = vec![f64::NAN; before + count + 9];
     let (head, out) = memory.split_at_mut(before);
     let (out, tail) = out.split_at_mut(count);
+    if writing.keep_zeros {
+        out.fill(0.0);
+    }
     regressor
-        .fill_part(model, columns, batch.states(), out, past_cache)
+        .fill_part(model, columns, batch.states(), out, writing)
         .expect("valid");
     assert!(head.iter().chain(&*tail).all(|x| x.is_nan()));
     out.to_vec()
