@@ -167,13 +167,14 @@ def row(
 def regressors(name: str, robot: Any, base: Any, cpp: Peers) -> None:
     """Print rows of d in the cache, and torques."""
     n, c, b = robot.n, len(robot.parameters), base.rank
-    X, solo = np.ones(c), {"threads": 1}
+    X = np.ones(c)
     loop = python_loop(robot, samples(n, 64))
 
-    def ns(call: Callable[..., Any], numbers: int, *extra: Any) -> float:
+    def ns(call: Callable[..., Any], numbers: int, *extra: Any, **kept: bool) -> float:
         states = samples(n, max(8, CACHED // (8 * numbers) // 8 * 8))
         out = call(*states, *extra)
-        return best(partial(call, *states, *extra, out=out, **solo)) / states.shape[1] * 1e9
+        task = partial(call, *states, *extra, out=out, threads=1, **kept)
+        return best(task) / states.shape[1] * 1e9
 
     packed = ns(robot.packed, len(robot.packed_entries()))
     row(name, "packed, in cache", packed, cpp.regressor, (36, 23))
@@ -183,6 +184,9 @@ def regressors(name: str, robot: Any, base: Any, cpp: Peers) -> None:
     times = ns(robot.regressor, n * c)
     row(name, "W, in cache", times, cpp.regressor, (12, 12))
     row(name, "W, in cache / Python loop", times, loop, (30, 30))
+    times = ns(robot.regressor, n * c, keep_zeros=True)
+    row(name, "W, zeros kept, in cache", times, cpp.regressor, (12, 12))
+    row(name, "W, zeros kept / Python loop", times, loop, (30, 30))
     times = ns(robot.torques, 192, X)  # of 512 samples
     row(name, "torques / rnea", times, cpp.rnea, (10, 10))
     one, W = tuple(samples(n, 1)[:, 0]), np.zeros((n, c))
@@ -196,7 +200,8 @@ def in_memory(name: str, robot: Any, cpp: Peers) -> None:
     count = min(LARGE, 2**29 // (8 * n * c))
     large = np.random.default_rng(1).uniform(-1, 1, (3, count, n))
     memory = np.zeros((count, n, c))
-    times = best(lambda: robot.regressor(*large, out=memory, threads=1)) / count * 1e9
+    evaluate = partial(robot.regressor, *large, out=memory, threads=1)
+    times = best(evaluate) / count * 1e9
     row(name, "W, in memory", times, cpp.regressor, (8, 8))
     stores, zeros = map(max, zip(*(printed(cpp.binary) for _ in range(3)), strict=True))
     lines = memory.ravel()[-memory.ctypes.data // 8 % 8 :][: 8 * LARGE].reshape(-1, 8)
@@ -205,6 +210,8 @@ def in_memory(name: str, robot: Any, cpp: Peers) -> None:
     missed = "" if share >= 0.6 else " missed"
     rate = f"of {stores:.0f} GB/s, zeros {zeros:.0f}"
     print(f"{name:7} {rate:30} {share:27.0%}   60%{missed}", flush=True)
+    times = best(partial(evaluate, keep_zeros=True)) / count * 1e9
+    row(name, "W, zeros kept, in memory", times, cpp.regressor, (8, 8))
 
 
 def samples(n: int, count: int) -> Any:
