@@ -308,8 +308,10 @@ def scalar_path(robots: dict[str, Any]) -> None:
 
 def main() -> int:
     """Print the table."""
-    if "--install" in sys.argv[1:]:
+    if sys.argv[1:] == ["--install"]:
         subprocess.run([sys.executable, "-m", "pip", "install", *NEEDED], check=True)
+        # Pinocchio's folder is found by an interpreter that starts after it was installed.
+        return subprocess.run([sys.executable, __file__], check=False).returncode
     try:
         import pinocchio  # noqa: F401
         import roberval as rv
