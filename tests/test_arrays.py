@@ -274,10 +274,10 @@ def test_parameters_in_any_form_give_the_same_torques(puma: rv.Robot, states: St
         assert (puma.torques(*states, same) == expected).all()
 
 
-@pytest.mark.parametrize("count", [1, 5, 8, 3000])
+@pytest.mark.parametrize("count", [1, 5, 8, 6000])
 @pytest.mark.parametrize("model", ["d", "d0", "h"])
 def test_kept_zeros_give_the_same_rows(puma: rv.Robot, count: int, model: rv.Model) -> None:
-    # 3000 states go past the cache.
+    # 6000 states of d go past the cache.
     out = puma.regressor(*random_states(puma, count), model=model)
     states = random_states(puma, count + 1)
     q, qd, qdd = (array[1:] for array in states)
@@ -300,6 +300,8 @@ def test_zeros_to_keep_that_are_none_are_refused(puma: rv.Robot) -> None:
     wrong[:-1] = out[:-1]
     with pytest.raises(rv.ArrayError, match=r"of sample 19, which is zero in every state"):
         puma.regressor(*states, out=wrong, keep_zeros=True)
+    with pytest.raises(rv.OptionError, match="keep_zeros is 1, expected True or False"):
+        puma.regressor(*states, out=out, keep_zeros=1)  # type: ignore[arg-type]
     with pytest.raises(rv.OptionError, match="keep_zeros needs out"):
         puma.regressor(*states, keep_zeros=True)
 
