@@ -16,9 +16,13 @@ States = tuple[Array, Array, Array]
 
 
 def random_states(robot: rv.Robot, count: int, seed: int = 1) -> States:
-    """Draw q, qd, qdd, each (count, n)."""
+    """Draw q, qd, qdd, each (count, n); a floating robot's attitudes of length 1."""
     random = np.random.default_rng(seed)
     q, qd, qdd = random.uniform(-3, 3, (3, count, robot.n))
+    if robot.is_floating:
+        attitude = random.normal(size=(count, 4))
+        attitude /= np.linalg.norm(attitude, axis=1, keepdims=True)
+        q = np.hstack([q[:, :3], attitude, q[:, 6:]])
     return q, qd, qdd
 
 

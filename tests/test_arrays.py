@@ -278,28 +278,67 @@ def test_parameters_in_any_form_give_the_same_torques(puma: rv.Robot, states: St
 @pytest.mark.parametrize("model", ["d", "d0", "h"])
 def test_kept_zeros_give_the_same_rows(puma: rv.Robot, count: int, model: rv.Model) -> None:
     # 6000 states of d go past the cache.
-    out = puma.regressor(*random_states(puma, count), model=model)
-    states = random_states(puma, count + 1)
-    q, qd, qdd = (array[1:] for array in states)
-    expected = puma.regressor(q, qd, qdd, model)
+    assert_kept_zeros_give_the_same_rows(puma, count, model)
+
+
+@pytest.mark.parametrize("floating", [False, True])
+@pytest.mark.parametrize("name", ["torso", "sr400", "four_bar"])
+def test_kept_zeros_give_the_same_rows_of_trees_couples_and_loops(
+    name: str, floating: bool
+) -> None:
+    robot = rv.load(name, floating=floating)
+    for model in ("d", "h"):
+        assert_kept_zeros_give_the_same_rows(robot, 600, model)
+
+
+def assert_kept_zeros_give_the_same_rows(robot: rv.Robot, count: int, model: rv.Model) -> None:
+    out = robot.regressor(*random_states(robot, count), model=model)
+    q, qd, qdd = (array[1:] for array in random_states(robot, count + 1))
+    expected = robot.regressor(q, qd, qdd, model)
     assert (expected != out).any()
-    assert puma.regressor(q, qd, qdd, model, out=out, keep_zeros=True) is out
+    assert robot.regressor(q, qd, qdd, model, out=out, keep_zeros=True) is out
     np.testing.assert_array_equal(out, expected)
-    base = puma.base_parameters(model=model)
+    base = robot.base_parameters(model=model)
     d1 = np.zeros_like(base.regressor(q, qd, qdd))
     base.regressor(q, qd, qdd, out=d1, keep_zeros=True)
     np.testing.assert_array_equal(d1, base.regressor(q, qd, qdd))
 
 
-def test_zeros_to_keep_that_are_none_are_refused(puma: rv.Robot) -> None:
-    states = random_states(puma, 20)
-    out = puma.regressor(*states)
-    wrong = np.where(out == 0, 3.0, out)
-    with pytest.raises(rv.ArrayError, match=r"^out has 3 in row \d+, column \d+ of sample 0, "):
-        puma.regressor(*states, out=wrong, keep_zeros=True)
-    wrong[:-1] = out[:-1]
-    with pytest.raises(rv.ArrayError, match=r"of sample 19, which is zero in every state"):
-        puma.regressor(*states, out=wrong, keep_zeros=True)
+def test_zeros_to_keep_that_are_none_are_refused_before_anything_is_written(
+    puma: rv.Robot,
+) -> None:
+    # 2000 states are shared out in pieces.
+    for count in (20, 2000):
+        states = random_states(puma, count)
+        out = puma.regressor(*states)
+        wrong = np.where(out == 0, 3.0, -1.0)
+        before = wrong.copy()
+        with pytest.raises(rv.ArrayError, match=r"^out has 3 in row \d+, column \d+ of sample 0, "):
+            puma.regressor(*states, out=wrong, keep_zeros=True)
+        np.testing.assert_array_equal(wrong, before)
+        wrong[:-1] = 0
+        before = wrong.copy()
+        with pytest.raises(rv.ArrayError, match=rf"of sample {count - 1}, which is zero in every"):
+            puma.regressor(*states, out=wrong, keep_zeros=True)
+        np.testing.assert_array_equal(wrong, before)
+        # In the memory of the states, too.
+        shared = np.full(out.size + puma.n, 3.0)
+        q = shared[: count * puma.n].reshape(count, puma.n)
+        rows = shared[: out.size].reshape(out.shape)
+        with pytest.raises(rv.ArrayError, match=r"of sample 0, which is zero in every state"):
+            puma.regressor(q, *states[1:], out=rows, keep_zeros=True)
+        assert (shared == 3).all()
+
+
+def test_a_single_state_is_written_whole_whatever_out_has(puma: rv.Robot) -> None:
+    q, qd, qdd = (array[0] for array in random_states(puma, 1))
+    out = np.full((n, C), 3.0)
+    puma.regressor(q, qd, qdd, out=out, keep_zeros=True)
+    np.testing.assert_array_equal(out, puma.regressor(q, qd, qdd))
+
+
+def test_keep_zeros_is_a_bool_and_needs_out(puma: rv.Robot, states: States) -> None:
+    out = np.zeros((N, n, C))
     with pytest.raises(rv.OptionError, match="keep_zeros is 1, expected True or False"):
         puma.regressor(*states, out=out, keep_zeros=1)  # type: ignore[arg-type]
     with pytest.raises(rv.OptionError, match="keep_zeros needs out"):

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 import roberval as rv
+from conftest import random_states
 from wheels import robot_file
 
 Array = npt.NDArray[np.float64]
@@ -82,17 +83,6 @@ def from_urdf(text: str, **options: Any) -> rv.Robot:
         return rv.Robot.from_urdf(text, **options)
 
 
-def states(robot: rv.Robot, count: int, seed: int) -> tuple[Array, Array, Array]:
-    """Random states, attitudes of length 1."""
-    random = np.random.default_rng(seed)
-    q = random.uniform(-3, 3, (count, robot.nq))
-    if robot.is_floating:
-        q[:, 3:7] = random.normal(size=(count, 4))
-        q[:, 3:7] /= np.linalg.norm(q[:, 3:7], axis=1, keepdims=True)
-    qd, qdd = random.uniform(-3, 3, (2, count, robot.n))
-    return q, qd, qdd
-
-
 class Peer:
     """The same robot in Pinocchio."""
 
@@ -137,7 +127,7 @@ class Peer:
     def check(self) -> None:
         labels = self.robot.parameters
         columns = [labels.index(f"{kind}_{x.name}") for x in self.robot.links for kind in KINDS]
-        for state in zip(*states(self.robot, 5, seed=1), strict=True):
+        for state in zip(*random_states(self.robot, 5, seed=1), strict=True):
             ours, theirs = self.robot.regressor(*state)[:, columns], self.regressor(*state)
             assert np.abs(ours - theirs).max() <= PEER_ERROR * np.abs(theirs).max()
             ours, theirs = self.robot.torques(*state), self.torques(*state)
@@ -179,7 +169,7 @@ def test_generated_code_gives_pinocchios_torques_and_mass_matrix(name: str) -> N
             scope[f"{code.function}_prepare"](base.values()),
         )
         functions[what] = partial(function, k=parameters)
-    for q, qd, qdd in zip(*states(robot, 5, seed=2), strict=True):
+    for q, qd, qdd in zip(*random_states(robot, 5, seed=2), strict=True):
         theirs = peer.torques(q, qd, qdd)
         ours = functions["tau"](q, qd, qdd)
         assert np.abs(ours - theirs).max() <= PEER_ERROR * np.abs(theirs).max()
@@ -238,7 +228,7 @@ def test_power_of_wrench_and_torques_is_the_rate_of_energy() -> None:
     robot = load(ROBOTS["solo12"], floating=True, snap="off")
     model = pin.buildModelFromUrdf(str(robot_file(ROBOTS["solo12"])), pin.JointModelFreeFlyer())
     peer, step = Peer(robot, model), 1e-5
-    for q, qd, qdd in zip(*states(robot, 3, seed=2), strict=True):
+    for q, qd, qdd in zip(*random_states(robot, 3, seed=2), strict=True):
         configuration, velocity, acceleration = peer.state(q, qd, qdd)
         h = []
         for t in (-step, step):
@@ -257,7 +247,7 @@ def test_states_of_a_floating_robot_have_their_shapes() -> None:
     assert (robot.n, robot.nq, len(robot.joints)) == (18, 19, 12)
     assert robot.positions[:2] == ("base_link.x", "base_link.y")
     assert robot.rows[:6] == tuple(f"base_link.{x}" for x in ("fx", "fy", "fz", "mx", "my", "mz"))
-    q, qd, qdd = states(robot, 4, seed=3)
+    q, qd, qdd = random_states(robot, 4, seed=3)
     width = len(robot.parameters)
     assert robot.regressor(q, qd, qdd).shape == (4, 18, width)
     assert robot.regressor(q[0], qdd=qdd[0], model="d0").shape == (18, width)

@@ -57,8 +57,9 @@ class Models(Description):
             Leave entries of `out` alone that are zero in every state. They must be zero: in an
             array from an earlier call for the same robot, columns and model (d0 counts as d), or
             from ``numpy.zeros``. W of large trees takes half the time in the cache and two thirds
-            in memory; arms gain little. Some zeros of the first and the last state are checked;
-            where others are none, the rows are wrong. Single states are written whole.
+            in memory; arms gain little. Some zeros of the first and the last state are checked
+            before anything is written; where others are none, the rows are wrong. Single states
+            are written whole.
 
         Returns
         -------
@@ -100,7 +101,7 @@ class Models(Description):
     ) -> Array:
         """Evaluate a model without what its structure makes zero, in tiles of samples.
 
-        The fastest form: `regressor` writes twice as much for an arm, eight times for a tree.
+        The fastest form: `regressor` writes twice as much for an arm, seven times for a tree.
         Arguments are those of `regressor`.
 
         Returns

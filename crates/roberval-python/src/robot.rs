@@ -290,7 +290,12 @@ impl Robot {
             Model::D | Model::D0 => &[rows, width],
             Model::H => &[width],
         };
+        let check = |out: &[f64]| match keep_zeros {
+            true => self.regressor.check_zeros(model, columns, out),
+            false => Ok(()),
+        };
         let tiles = Tiles {
+            check: &check,
             shape: |lead: &[usize]| [lead, shape].concat(),
             size: rows * width,
             lanes: 1,
@@ -322,6 +327,7 @@ impl Robot {
         let slots = self.regressor.packed_layout(model).entries().len();
         let lanes = self.regressor.lanes();
         let tiles = Tiles {
+            check: &|_| Ok(()),
             shape: |lead: &[usize]| {
                 let samples: usize = lead.iter().product();
                 vec![samples.div_ceil(lanes), slots, lanes]
@@ -363,6 +369,7 @@ impl Robot {
         let Some(x) = x else { return Ok(false) };
         let m = self.regressor.independent();
         let tiles = Tiles {
+            check: &|_| Ok(()),
             shape: |lead: &[usize]| [lead, &[m]].concat(),
             size: m,
             lanes: 1,
@@ -449,7 +456,9 @@ impl Robot {
 }
 
 /// How the numbers of a call lie in its target.
-struct Tiles<S> {
+struct Tiles<'a, S> {
+    /// Looks at all of the target before anything is written.
+    check: &'a dyn Fn(&[f64]) -> Result<(), RegressorError>,
     /// The target's shape, from what stands before the coordinates in that of q.
     shape: S,
     /// Numbers of one sample.
@@ -467,7 +476,7 @@ impl Robot {
         py: Python<'py>,
         states: [&Bound<'py, PyAny>; 3],
         out: &Bound<'py, PyAny>,
-        tiles: Tiles<impl Fn(&[usize]) -> Vec<usize>>,
+        tiles: Tiles<'_, impl Fn(&[usize]) -> Vec<usize>>,
         fill: impl Fn(States<'_>, &mut [f64], bool) -> Result<(), RegressorError> + Sync,
     ) -> PyResult<bool> {
         let regressor = &self.regressor;
@@ -480,6 +489,7 @@ impl Robot {
         };
         let target = Target {
             out,
+            check: tiles.check,
             size: tiles.size,
             tile: tiles.lanes,
             slow: regressor.expansion().is_some(),

@@ -62,6 +62,8 @@ pub struct OwnedStates {
 /// What a call fills.
 pub struct Target<'a, 'py> {
     pub out: Plain<'a, 'py>,
+    /// Looks at all of `out` before anything is written.
+    pub check: &'a dyn Fn(&[f64]) -> Result<(), RegressorError>,
     /// Numbers of one sample.
     pub size: usize,
     /// Samples that stand together: 1 for rows, as many as lanes for tiles.
@@ -126,7 +128,10 @@ impl<'a, 'py> PlainStates<'a, 'py> {
             let states = [self.q, self.qd, self.qdd];
             let filled = memory::at_once(states, target.out, |[q, qd, qdd], out| {
                 let past_cache = size_of_val(out) > STREAM_BYTES;
-                caught(|| fill(States { q, qd, qdd }, out, past_cache))
+                caught(|| {
+                    (target.check)(out)?;
+                    fill(States { q, qd, qdd }, out, past_cache)
+                })
             });
             if let Some(filled) = filled {
                 return answer(py, filled).map(|()| true);
@@ -235,6 +240,7 @@ fn waves(
     let out = out.as_slice_mut()?;
     let _writer = Writer::begin();
     let mut scratch = OwnedStates::default();
+    answer(py, caught(|| (target.check)(out)))?;
     let past_cache = size_of_val(out) > STREAM_BYTES;
     let size = target.size.max(1);
     let threads = threads_for(target.threads, out.len()).min(count.div_ceil(PIECE).max(1));

@@ -72,8 +72,8 @@ pub struct Writing {
     /// Past the cache, where they would not stay anyway.
     pub past_cache: bool,
     /// Leave alone what is zero in every state: it is zero already, from earlier rows of the
-    /// same columns or from the beginning. Some of the first and the last sample are looked at.
-    /// Single states, and what is not computed in lanes, are written whole.
+    /// same columns or from the beginning: see [`Regressor::check_zeros`]. Single states, and
+    /// what is not computed in lanes, are written whole.
     pub keep_zeros: bool,
 }
 
@@ -296,12 +296,6 @@ impl Regressor {
         let widths = (self.positions(), self.independent());
         match fault {
             Fault::NoValue(sample, error) => RegressorError::NoValue { sample, error },
-            Fault::NotZero([sample, row, column], value) => RegressorError::NotZero {
-                sample,
-                row,
-                column,
-                value,
-            },
             Fault::Tile(first) => states.not_finite(first, widths).unwrap_or_else(|| {
                 let what = "the state of a joint that follows others".to_owned();
                 let error = NoValue::Number { what };
@@ -391,11 +385,42 @@ impl Regressor {
         self.fill_part(model, Some(&columns), states, out, Writing::whole(out))
     }
 
+    /// Whether `out` has zeros to keep, before a batch is written: a look at both ends of each
+    /// gap between the numbers of its first and its last sample. Single states need none.
+    ///
+    /// # Errors
+    /// [`RegressorError::NotZero`] names the first number among them.
+    pub fn check_zeros(
+        &self,
+        model: Model,
+        columns: Option<&Columns>,
+        out: &[f64],
+    ) -> Result<(), RegressorError> {
+        let export = self.export(model, columns);
+        if !self.in_lanes() || out.len() <= export.len() {
+            return Ok(());
+        }
+        let Some(at) = export.not_zero(out) else {
+            return Ok(());
+        };
+        let ([sample, row, column], value) = (export.place(at), out[at]);
+        Err(RegressorError::NotZero {
+            sample,
+            row,
+            column,
+            value,
+        })
+    }
+
+    /// How the rows of a choice of columns are written, or of all.
+    fn export<'a>(&'a self, model: Model, columns: Option<&'a Columns>) -> &'a Export {
+        columns.map_or(&self.exports[family(model)], |columns| &columns.export)
+    }
+
     /// All columns, or those of `columns`, for a part of a larger batch.
     ///
     /// # Errors
-    /// [`RegressorError`] if an array has the wrong length, a state is not finite, or zeros are
-    /// to be kept that are none.
+    /// [`RegressorError`] if an array has the wrong length or a state is not finite.
     pub fn fill_part(
         &self,
         model: Model,
@@ -409,9 +434,8 @@ impl Regressor {
         if self.in_lanes() {
             let samples = self.check_for_lanes(states)?;
             check_out(model, samples, self.independent(), width, out.len())?;
-            let export = columns.map_or(&self.exports[family(model)], |c| &c.export);
-            let width = self.width_for(samples);
-            return self.run(model, states, Form::Rows(export), width, out, writing);
+            let form = Form::Rows(self.export(model, columns));
+            return self.run(model, states, form, self.width_for(samples), out, writing);
         }
         let samples = self.check(states)?;
         check_out(model, samples, self.independent(), width, out.len())?;

@@ -25,8 +25,6 @@ pub(crate) enum Fault {
     Tile(usize),
     /// The constraints have no value at a sample.
     NoValue(usize, NoValue),
-    /// Of the zeros to keep, that of this sample, row and column is this number.
-    NotZero([usize; 3], f64),
 }
 
 /// Samples after which loops are closed from the first configuration anew: rows then depend
@@ -196,11 +194,6 @@ impl Task for Fill<'_> {
         let mut writing = self.writing;
         // Single states are cleared in no time.
         writing.keep_zeros &= V::COUNT > 1;
-        if let (true, Form::Rows(export)) = (writing.keep_zeros, self.form)
-            && let Some(at) = export.not_zero(self.out)
-        {
-            return Err(Fault::NotZero(export.place(at), self.out[at]));
-        }
         let mut expanded = mem::take(&mut work.expanded);
         let whole = stretch(robot, self.out.len(), length);
         for (k, out) in self.out.chunks_mut(whole).enumerate() {

@@ -41,7 +41,7 @@ pub enum RegressorError {
     },
     /// Zeros were to be kept that are none.
     #[error(
-        "out has {value} in row {row}, column {column} of sample {sample}, which is zero in every state: for keep_zeros hand in an array of zeros, or one from an earlier call for the same columns"
+        "out has {value} in row {row}, column {column} of sample {sample}, which is zero in every state: for keep_zeros hand in an array of zeros, or one from an earlier call for the same robot, columns and model"
     )]
     NotZero {
         /// Sample, from 0.
