@@ -166,6 +166,36 @@ pub(crate) enum Form<'a> {
     Packed(usize),
 }
 
+impl Form<'_> {
+    /// Slots of a tile, and numbers that each sample takes.
+    fn sizes(self) -> (usize, usize) {
+        match self {
+            Self::Rows(export) => (export.slots(), export.len()),
+            Self::Packed(slots) => (slots, slots),
+        }
+    }
+
+    /// Room for the tiles of `out` that cannot be written in their place.
+    #[inline(always)]
+    fn buffer<'o, V: Lanes>(
+        self,
+        rows: &'o mut Vec<f64>,
+        room: (usize, &[f64]),
+        (stream, keep): (bool, bool),
+    ) -> Buffer<'o, V> {
+        match self {
+            Self::Rows(export) => {
+                let past = (stream, keep, export.steps::<V>());
+                Buffer::new(rows, room, export.filled(V::COUNT), past)
+            }
+            Self::Packed(_) => {
+                let all = iter::once(0..room.0);
+                Buffer::new(rows, room, all, (stream, keep, 1))
+            }
+        }
+    }
+}
+
 /// All samples' numbers into `out`.
 pub(crate) struct Fill<'a> {
     pub pool: &'a Pool,
@@ -187,10 +217,7 @@ impl Task for Fill<'_> {
             Some(work) => work,
             None => Box::new(Work::new(robot)),
         };
-        let length = match self.form {
-            Form::Rows(export) => export.len(),
-            Form::Packed(slots) => slots,
-        };
+        let (_, length) = self.form.sizes();
         let mut writing = self.writing;
         // Single states are cleared in no time.
         writing.keep_zeros &= V::COUNT > 1;
@@ -228,59 +255,36 @@ fn write<V: Lanes>(
     if let (1, Form::Rows(export)) = (V::COUNT, form)
         && let Some(places) = export.places()
     {
-        return in_place(
-            (robot, places),
-            model,
-            states,
-            work,
-            out.chunks_exact_mut(export.len()),
-        );
+        let rows = out.chunks_exact_mut(export.len());
+        return in_place((robot, places), model, states, work, rows);
     }
     let (stream, keep) = (writing.past_cache && V::STREAMS, writing.keep_zeros);
     let projection = robot.projection.filter(|_| model != Model::H);
-    let (slots, length, steps) = match form {
-        Form::Rows(export) => (export.slots(), export.len(), export.steps::<V>()),
-        Form::Packed(slots) => (slots, slots, 1),
-    };
-    let of_tree = projection.map_or(slots, Projection::tree_slots);
-    let (mut stage, mut rows) = (mem::take(&mut work.stage), mem::take(&mut work.rows));
-    let mut projected = mem::take(&mut work.projected);
-    with_zero(&mut stage, of_tree);
-    if projection.is_some() {
-        with_zero(&mut projected, slots);
-    }
+    let (slots, length) = form.sizes();
     let whole = V::COUNT * length;
-    let (room, past) = ((whole, &*out), (stream, keep, steps));
-    let mut buffer = match form {
-        Form::Rows(export) => Buffer::<V>::new(&mut rows, room, export.filled(V::COUNT), past),
-        Form::Packed(_) => Buffer::new(&mut rows, room, iter::once(0..whole), past),
-    };
+    let mut stage = Stage::take(work, projection, slots);
+    let mut rows = mem::take(&mut work.rows);
+    let mut buffer = form.buffer::<V>(&mut rows, (whole, &*out), (stream, keep));
     for (tile, out) in out.chunks_mut(whole).enumerate() {
         let direct = out.len() == whole && !stream;
         let (near, mut past) = buffer.next();
         let to = if direct { &mut *out } else { near };
-        let first = tile * V::COUNT;
+        // Packed numbers of all joints are where they belong at once.
+        let at_once = matches!(form, Form::Packed(_)) && projection.is_none();
+        let numbers = if at_once { &mut *to } else { stage.numbers() };
+        let mut sink = Packed::new(numbers);
+        work.run(robot.tree, model, states, tile * V::COUNT, &mut sink)?;
         match form {
-            Form::Packed(_) if projection.is_none() => {
-                work.run(robot.tree, model, states, first, &mut Packed::new(to))?;
-            }
-            _ => {
-                let mut sink = Packed::new(V::numbers(&mut stage[..of_tree]));
-                work.run(robot.tree, model, states, first, &mut sink)?;
-                let stage = match projection {
-                    None => &mut stage,
-                    Some(projection) => {
-                        projection.apply(work.g(), &stage, &mut projected[..slots]);
-                        &mut projected
-                    }
-                };
-                match form {
-                    Form::Packed(_) => to.copy_from_slice(V::numbers(&mut stage[..slots])),
-                    Form::Rows(export) if V::COUNT == 1 => {
-                        export.write_one(V::numbers(stage), to);
-                    }
-                    Form::Rows(export) if stream => export.write(stage, to, true, || past.step()),
-                    Form::Rows(export) => export.write(stage, to, keep || !direct, || ()),
+            Form::Packed(_) if at_once => (),
+            Form::Packed(_) => to.copy_from_slice(stage.projected(work.g())),
+            Form::Rows(export) => {
+                let numbers = stage.with_zero(work.g());
+                if V::COUNT == 1 {
+                    export.write_one(V::numbers(numbers), to);
+                } else if stream {
+                    export.write(numbers, to, true, || past.step());
+                } else {
+                    export.write(numbers, to, keep || !direct, || ());
                 }
             }
         }
@@ -290,8 +294,69 @@ fn write<V: Lanes>(
         }
     }
     buffer.finish();
-    (work.stage, work.rows, work.projected) = (stage, rows, projected);
+    work.rows = rows;
+    stage.give(work);
     Ok(())
+}
+
+/// The packed numbers of a tile, and a zero after them.
+struct Stage<'a, V> {
+    projection: Option<&'a Projection>,
+    /// Of all joints.
+    tree: Vec<V>,
+    /// Of the independent ones, where others follow them.
+    rows: Vec<V>,
+    /// Numbers of each, without the zero.
+    of_tree: usize,
+    of_rows: usize,
+}
+
+impl<'a, V: Lanes> Stage<'a, V> {
+    /// Room for so many slots, in working memory.
+    #[inline(always)]
+    fn take(work: &mut Work<V>, projection: Option<&'a Projection>, slots: usize) -> Self {
+        let of_tree = projection.map_or(slots, Projection::tree_slots);
+        let (mut tree, mut rows) = (mem::take(&mut work.stage), mem::take(&mut work.projected));
+        with_zero(&mut tree, of_tree);
+        if projection.is_some() {
+            with_zero(&mut rows, slots);
+        }
+        Self {
+            projection,
+            tree,
+            rows,
+            of_tree,
+            of_rows: slots,
+        }
+    }
+
+    /// Where the recursion's numbers go.
+    #[inline(always)]
+    fn numbers(&mut self) -> &mut [f64] {
+        V::numbers(&mut self.tree[..self.of_tree])
+    }
+
+    /// The slots of the rows and a zero, once the recursion has run; with these values of G.
+    #[inline(always)]
+    fn with_zero(&mut self, g: &[V]) -> &mut [V] {
+        let Some(projection) = self.projection else {
+            return &mut self.tree;
+        };
+        projection.apply(g, &self.tree, &mut self.rows[..self.of_rows]);
+        &mut self.rows
+    }
+
+    /// The numbers of those slots.
+    #[inline(always)]
+    fn projected(&mut self, g: &[V]) -> &[f64] {
+        let slots = self.of_rows;
+        V::numbers(&mut self.with_zero(g)[..slots])
+    }
+
+    /// Gives the room back.
+    fn give(self, work: &mut Work<V>) {
+        (work.stage, work.projected) = (self.tree, self.rows);
+    }
 }
 
 /// Sample after sample, each number where it belongs at once.
