@@ -40,44 +40,53 @@ fn has_all(width: Width) -> bool {
 
 pub(super) fn dispatch<T: Task>(width: Width, task: T) -> T::Output {
     match width {
-        _ if !available(width) => task.run::<f64>(),
-        // SAFETY: the processor has the features (previous line).
-        Width::Eight => unsafe { eight(task) },
-        Width::Four => unsafe { four(task) },
-        Width::One if available(Width::Eight) => unsafe { one_of_32(task) },
-        Width::One => unsafe { one(task) },
-        Width::Plain | Width::Two => task.run::<f64>(),
+        // SAFETY: the processor has the features.
+        Width::Eight if available(Width::Eight) => unsafe { eight::run(task) },
+        Width::Four if available(Width::Four) => unsafe { four::run(task) },
+        Width::One if available(Width::Eight) => unsafe { one_of_32::run(task) },
+        Width::One if available(Width::One) => unsafe { one::run(task) },
+        // In one place: each makes a copy of the task.
+        _ => task.run::<f64>(),
     }
 }
 
 pub(super) fn dispatch_one<T: Task>(task: T) -> T::Output {
     if available(Width::One) {
         // SAFETY: the processor has the features (previous line).
-        unsafe { one(task) }
+        unsafe { one::run(task) }
     } else {
         task.run::<f64>()
     }
 }
 
-#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
-fn eight<T: Task>(task: T) -> T::Output {
-    task.run::<F64x8>()
+// A module each: rustc shares its work out by modules, and each of these is minutes of it.
+mod eight {
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+    pub(super) fn run<T: super::Task>(task: T) -> T::Output {
+        task.run::<super::F64x8>()
+    }
 }
 
-#[target_feature(enable = "avx2,fma")]
-fn four<T: Task>(task: T) -> T::Output {
-    task.run::<F64x4>()
+mod four {
+    #[target_feature(enable = "avx2,fma")]
+    pub(super) fn run<T: super::Task>(task: T) -> T::Output {
+        task.run::<super::F64x4>()
+    }
 }
 
 /// One lane with the registers of AVX-512, twice as many: a sixth faster.
-#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
-fn one_of_32<T: Task>(task: T) -> T::Output {
-    task.run::<Fused>()
+mod one_of_32 {
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+    pub(super) fn run<T: super::Task>(task: T) -> T::Output {
+        task.run::<super::Fused>()
+    }
 }
 
-#[target_feature(enable = "avx2,fma")]
-fn one<T: Task>(task: T) -> T::Output {
-    task.run::<Fused>()
+mod one {
+    #[target_feature(enable = "avx2,fma")]
+    pub(super) fn run<T: super::Task>(task: T) -> T::Output {
+        task.run::<super::Fused>()
+    }
 }
 
 macro_rules! neg8 {
