@@ -155,6 +155,21 @@ LONG_CALLS = {
 }
 
 
+def test_no_call_imports_what_ctrl_c_could_keep_away() -> None:
+    # rust-numpy panics where an import of NumPy's fails.
+    script = """
+import sys
+import numpy as np, roberval as rv
+
+robot = rv.load("puma560")
+q, out = np.zeros((5_000, 6)), np.empty((5_000, 6, 66))
+for name in [name for name in sys.modules if name.split(".")[0] == "numpy"]:
+    sys.modules[name] = None
+robot.regressor(q, q, q, out=out)
+"""
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=60)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT to send")
 @pytest.mark.parametrize("name", LONG_CALLS)
 def test_ctrl_c_stops_a_long_call(name: str) -> None:

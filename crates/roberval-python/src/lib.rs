@@ -18,10 +18,14 @@ mod states;
 mod symbols;
 mod turns;
 
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 
 #[pymodule(gil_used = false)]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    // The first array and the first borrow import more of NumPy, and panic where Ctrl-C comes
+    // in between: not in a call.
+    drop(PyArray1::<f64>::zeros(module.py(), 1, false).readonly());
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<robot::Robot>()?;
     module.add_class::<robot::Columns>()?;
