@@ -8,6 +8,11 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 import roberval as rv
+from hypothesis import settings
+
+# A test that is slow once, as when it imports a peer, is not wrong.
+settings.register_profile("no deadline", settings.default, deadline=None)
+settings.load_profile("no deadline")
 
 SHARED = Path(__file__).parents[2] / "shared"
 

@@ -49,7 +49,7 @@ def near(a: Any, b: Any, scale: Any) -> bool:
 
 
 @given(robots(), st.integers(0, 5))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_shapes_follow_the_states(robot: rv.Robot, count: int) -> None:
     n, C = robot.n, len(robot.parameters)
     q, qd, qdd = states(robot, count)
@@ -62,7 +62,7 @@ def test_shapes_follow_the_states(robot: rv.Robot, count: int) -> None:
 
 
 @given(robots())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_a_reshape_gives_w_and_w_times_x_the_torques(robot: rv.Robot) -> None:
     q, qd, qdd = states(robot, 7)
     X = np.random.default_rng(1).normal(size=len(robot.parameters))
@@ -74,7 +74,7 @@ def test_a_reshape_gives_w_and_w_times_x_the_torques(robot: rv.Robot) -> None:
 
 
 @given(robots())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_at_rest_d_is_d0(robot: rv.Robot) -> None:
     q, _, qdd = states(robot, 3)
     zero = np.zeros_like(q)
@@ -82,7 +82,7 @@ def test_at_rest_d_is_d0(robot: rv.Robot) -> None:
 
 
 @given(robots())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_power_is_the_derivative_of_energy(robot: rv.Robot) -> None:
     (q,), (qd,), (qdd,) = states(robot, 1)
     step = 1e-5
@@ -97,7 +97,7 @@ def test_power_is_the_derivative_of_energy(robot: rv.Robot) -> None:
 
 
 @given(robots(), st.sampled_from(["d", "d0", "h"]), st.sampled_from(["exact", "qr", "qrii", "svd"]))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_the_base_parameters_span_the_model(
     robot: rv.Robot, model: rv.Model, engine: rv.Engine
 ) -> None:
@@ -113,7 +113,7 @@ def test_the_base_parameters_span_the_model(
 
 
 @given(robots())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_descriptions_round_trip(robot: rv.Robot) -> None:
     twin = rv.Robot.from_toml(robot.to_toml())
     assert twin == robot
