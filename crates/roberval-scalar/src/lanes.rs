@@ -17,6 +17,7 @@ mod trigonometry;
 mod x86;
 
 use std::fmt::Debug;
+use std::ops::Range;
 
 use crate::Lift;
 
@@ -81,13 +82,39 @@ pub trait Lanes: Lift<f64> + Debug + Send + Sync + 'static {
         none
     }
 
-    /// The inverse of [`Lanes::load_transposed`]: column k is `stage[sources[k]]`.
+    /// Into `COUNT` rows, `stride` apart: number k of row s is lane s of `stage[sources[k]]`.
     fn store_transposed(stage: &[Self], sources: &[u32], to: &mut [f64], stride: usize) {
-        for (k, &source) in sources.iter().enumerate().take(Self::COUNT) {
+        for (k, &source) in sources.iter().enumerate() {
             let mut column = [0.0; MAX_LANES];
             stage[source as usize].store(&mut column);
             for (s, x) in column.iter().enumerate().take(Self::COUNT) {
                 to[s * stride + k] = *x;
+            }
+        }
+    }
+
+    /// Lines of those rows past the cache, for rows that are larger than it. Lines have
+    /// `COUNT` numbers; those that are written are the ones with numbers of these blocks (of
+    /// `COUNT` sources), other numbers in them taken for zeros. The first line of a row that is
+    /// whole wherever rows begin is line 1, the last one before `sources.len() / COUNT`.
+    fn stream_transposed(
+        stage: &[Self],
+        (sources, blocks): (&[u32], Range<usize>),
+        to: &mut [f64],
+        stride: usize,
+    ) {
+        let whole = sources.len() / Self::COUNT;
+        for s in 0..Self::COUNT {
+            let row = &mut to[s * stride..];
+            let shift = row.as_ptr().addr() / size_of::<f64>() % Self::COUNT;
+            for line in blocks.start.max(1)..whole.min(blocks.end + 1) {
+                for at in (line * Self::COUNT - shift..).take(Self::COUNT) {
+                    let mut numbers = [0.0; MAX_LANES];
+                    if blocks.contains(&(at / Self::COUNT)) {
+                        stage[sources[at] as usize].store(&mut numbers);
+                    }
+                    row[at] = numbers[s];
+                }
             }
         }
     }

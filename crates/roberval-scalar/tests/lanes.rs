@@ -1,6 +1,7 @@
 //! Lanes of every width that this processor has, against exact references.
 
 use std::f64::consts::FRAC_PI_2;
+use std::ops::Range;
 
 use num_rational::BigRational;
 use num_traits::Zero;
@@ -287,6 +288,110 @@ fn transposing_finds_any_number_that_is_not_finite() {
                 !dispatch(width, Finite(&table)),
                 "{width:?}: {other} at {at}"
             );
+        }
+    }
+}
+
+/// Slots of which number l is l more than a hundred times the slot; the last one is zero.
+fn stage<V: Lanes>() -> Vec<V> {
+    let slot =
+        |k| Vec::from_iter((0..8).map(|l| if k == 15 { 0.0 } else { f64::from(100 * k + l) }));
+    (0..16).map(|k| V::load(&slot(k))).collect()
+}
+
+/// Rows from slots: all numbers, or the lines past the cache of those of some blocks.
+struct Rows<'a> {
+    sources: &'a [u32],
+    blocks: Option<Range<usize>>,
+    to: &'a mut [f64],
+    stride: usize,
+}
+
+impl Task for Rows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Lanes>(self) {
+        let stage = stage::<V>();
+        match self.blocks {
+            None => V::store_transposed(&stage, self.sources, self.to, self.stride),
+            Some(blocks) => {
+                V::stream_transposed(&stage, (self.sources, blocks), self.to, self.stride);
+                V::fence();
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_have_their_numbers_and_no_others_are_touched() {
+    for width in widths() {
+        for (length, stride) in (0..40).flat_map(|n| [(n, n), (n, n + 3)]) {
+            let sources = Vec::from_iter((0..length as u32).map(|k| 7 * k % 16));
+            let mut out = vec![-1.0; 8 * stride + 1];
+            dispatch(
+                width,
+                Rows {
+                    sources: &sources,
+                    blocks: None,
+                    to: &mut out,
+                    stride,
+                },
+            );
+            for (at, x) in out.iter().enumerate() {
+                let (s, k) = (at / stride.max(1), at % stride.max(1));
+                let expected = match sources.get(k) {
+                    Some(15) if s < width.lanes() => 0.0,
+                    Some(slot) if s < width.lanes() => f64::from(100 * slot) + s as f64,
+                    _ => -1.0,
+                };
+                assert_eq!(*x, expected, "{width:?}: {length} numbers, {stride} apart");
+            }
+        }
+    }
+}
+
+#[test]
+fn lines_past_the_cache_are_those_of_the_blocks_wherever_rows_begin() {
+    for width in widths() {
+        let count = width.lanes();
+        for (length, first) in (0..7 * count).flat_map(|n| (0..count).map(move |f| (n, f))) {
+            let sources = Vec::from_iter((0..length as u32).map(|k| 7 * k % 16));
+            let whole = length / count;
+            for blocks in (0..=whole).flat_map(|a| (a..=whole).map(move |b| a..b)) {
+                let mut memory = vec![-1.0; count * length + 2 * count];
+                let start = memory.as_ptr().align_offset(8 * count) + first;
+                let to = &mut memory[start..start + count * length];
+                dispatch(
+                    width,
+                    Rows {
+                        sources: &sources,
+                        blocks: Some(blocks.clone()),
+                        to,
+                        stride: length,
+                    },
+                );
+                let mut expected = vec![-1.0; memory.len()];
+                for s in 0..count {
+                    let row = start + s * length;
+                    let shift = (first + s * length) % count;
+                    for line in blocks.start.max(1)..whole.min(blocks.end + 1) {
+                        for at in line * count - shift..(line + 1) * count - shift {
+                            let slot = sources[at];
+                            let zero = slot == 15 || !blocks.contains(&(at / count));
+                            expected[row + at] = if zero {
+                                0.0
+                            } else {
+                                f64::from(100 * slot) + s as f64
+                            };
+                        }
+                    }
+                }
+                assert_eq!(
+                    memory, expected,
+                    "{width:?}: {length} numbers from {first} on, {blocks:?}"
+                );
+            }
         }
     }
 }

@@ -130,10 +130,18 @@ impl Lanes for F64x2 {
 
     #[inline(always)]
     fn store_transposed(stage: &[Self], sources: &[u32], to: &mut [f64], stride: usize) {
-        let columns = [stage[sources[0] as usize], stage[sources[1] as usize]];
-        let rows = transposed(columns);
-        rows[0].store(to);
-        rows[1].store(&mut to[stride..]);
+        let pairs = sources.chunks_exact(2);
+        if let &[last] = pairs.remainder() {
+            let mut numbers = [0.0; 2];
+            stage[last as usize].store(&mut numbers);
+            let at = sources.len() - 1;
+            (to[at], to[stride + at]) = (numbers[0], numbers[1]);
+        }
+        for (k, pair) in pairs.enumerate() {
+            let rows = transposed([stage[pair[0] as usize], stage[pair[1] as usize]]);
+            rows[0].store(&mut to[2 * k..]);
+            rows[1].store(&mut to[stride + 2 * k..]);
+        }
     }
 }
 

@@ -4,8 +4,11 @@
 //! [`dispatch`] hands them out only after asking the processor; that is the whole proof.
 #![allow(unsafe_code)]
 
+mod rows;
+
 use std::arch::is_x86_feature_detected as has;
 use std::arch::x86_64::*;
+use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use super::arithmetic::arithmetic;
@@ -151,7 +154,7 @@ arithmetic!(
 macro_rules! lanes {
     ($name:ident: $count:literal lanes, $registers:literal registers,
      $load:ident, $store:ident, $stream:ident, $divide:ident, $sqrt:ident,
-     $signed:ident, $where_nonzero:ident, $transposed:ident) => {
+     $signed:ident, $where_nonzero:ident, $transposed:ident, $module:ident) => {
         impl Lanes for $name {
             const COUNT: usize = $count;
             const REGISTERS: usize = $registers;
@@ -216,34 +219,36 @@ macro_rules! lanes {
                     from.len() >= ($count - 1) * stride + $count,
                     "as many rows as lanes"
                 );
-                let zero = Self::lift(0.0);
-                let (mut rows, mut none) = ([zero; $count], [zero; 2]);
-                for (s, row) in rows.iter_mut().enumerate() {
-                    // SAFETY: row s begins at s * stride and its numbers are there (asserted).
-                    *row = Self(unsafe { $load(from.as_ptr().add(s * stride)) });
-                    none[s % 2] = row.mul_add(zero, none[s % 2]);
-                }
-                let to = &mut to[..$count];
-                for (to, column) in to.iter_mut().zip($transposed(rows)) {
-                    *to = column;
+                // SAFETY: row s begins at s * stride and its numbers are there (asserted).
+                let columns = unsafe { rows::$transposed(|s| from.as_ptr().add(s * stride)) };
+                to[..$count].copy_from_slice(&columns);
+                let mut none = [Self::lift(0.0); 2];
+                for (k, column) in columns.into_iter().enumerate() {
+                    none[k % 2] = column.mul_add(Self::lift(0.0), none[k % 2]);
                 }
                 none[0] + none[1]
             }
 
             #[inline(always)]
             fn store_transposed(stage: &[Self], sources: &[u32], to: &mut [f64], stride: usize) {
-                let mut columns = [Self::lift(0.0); $count];
-                for (column, &source) in columns.iter_mut().zip(sources) {
-                    *column = stage[source as usize];
-                }
-                assert!(
-                    to.len() >= ($count - 1) * stride + $count,
-                    "as many rows as lanes"
-                );
-                for (s, row) in $transposed(columns).into_iter().enumerate() {
-                    // SAFETY: row s begins at s * stride and its numbers are there (asserted).
-                    unsafe { $store(to.as_mut_ptr().add(s * stride), row.0) }
-                }
+                check_rows::<Self>(sources, to, stride);
+                check_sources(stage, sources);
+                // SAFETY: what is read and written is there (checked); see the module.
+                unsafe { rows::$module::store(stage, sources, to.as_mut_ptr(), stride) }
+            }
+
+            #[inline(always)]
+            fn stream_transposed(
+                stage: &[Self],
+                (sources, blocks): (&[u32], Range<usize>),
+                to: &mut [f64],
+                stride: usize,
+            ) {
+                check_rows::<Self>(sources, to, stride);
+                let end = sources.len().min(blocks.end.saturating_mul($count));
+                check_sources(stage, &sources[blocks.start * $count..end]);
+                // SAFETY: what is read and written is there (checked); see the module.
+                unsafe { rows::$module::stream(stage, (sources, blocks), to.as_mut_ptr(), stride) }
             }
 
             #[inline(always)]
@@ -324,7 +329,8 @@ lanes!(
     _mm512_sqrt_pd,
     signed8,
     where_nonzero8,
-    transposed8
+    transposed8,
+    eight
 );
 
 macro_rules! signed4 {
@@ -349,45 +355,9 @@ lanes!(
     _mm256_sqrt_pd,
     signed4,
     where_nonzero4,
-    transposed4
+    transposed4,
+    four
 );
-
-/// The transpose of 8 rows.
-#[inline(always)]
-fn transposed8(r: [F64x8; 8]) -> [F64x8; 8] {
-    // SAFETY: see the module.
-    unsafe {
-        let low = |a: F64x8, b: F64x8| _mm512_unpacklo_pd(a.0, b.0);
-        let high = |a: F64x8, b: F64x8| _mm512_unpackhi_pd(a.0, b.0);
-        // Pairs of rows, then of pairs, then of fours: 1 x 2, 2 x 4 and 4 x 8 blocks.
-        let (a0, a1, a2, a3) = (
-            low(r[0], r[1]),
-            high(r[0], r[1]),
-            low(r[2], r[3]),
-            high(r[2], r[3]),
-        );
-        let (a4, a5, a6, a7) = (
-            low(r[4], r[5]),
-            high(r[4], r[5]),
-            low(r[6], r[7]),
-            high(r[6], r[7]),
-        );
-        let even = |a, b| _mm512_shuffle_f64x2::<0b10_00_10_00>(a, b);
-        let odd = |a, b| _mm512_shuffle_f64x2::<0b11_01_11_01>(a, b);
-        let (b0, b1, b2, b3) = (even(a0, a2), even(a1, a3), odd(a0, a2), odd(a1, a3));
-        let (b4, b5, b6, b7) = (even(a4, a6), even(a5, a7), odd(a4, a6), odd(a5, a7));
-        [
-            F64x8(even(b0, b4)),
-            F64x8(even(b1, b5)),
-            F64x8(even(b2, b6)),
-            F64x8(even(b3, b7)),
-            F64x8(odd(b0, b4)),
-            F64x8(odd(b1, b5)),
-            F64x8(odd(b2, b6)),
-            F64x8(odd(b3, b7)),
-        ]
-    }
-}
 
 impl Quadrants for F64x8 {
     #[inline(always)]
@@ -418,24 +388,6 @@ impl Quadrants for F64x8 {
                 Self(_mm512_xor_pd(c, sign(_mm512_add_epi64(turns, one)))),
             )
         }
-    }
-}
-
-/// The transpose of 4 rows.
-#[inline(always)]
-fn transposed4(r: [F64x4; 4]) -> [F64x4; 4] {
-    // SAFETY: see the module.
-    unsafe {
-        let a0 = _mm256_unpacklo_pd(r[0].0, r[1].0);
-        let a1 = _mm256_unpackhi_pd(r[0].0, r[1].0);
-        let a2 = _mm256_unpacklo_pd(r[2].0, r[3].0);
-        let a3 = _mm256_unpackhi_pd(r[2].0, r[3].0);
-        [
-            F64x4(_mm256_permute2f128_pd::<0x20>(a0, a2)),
-            F64x4(_mm256_permute2f128_pd::<0x20>(a1, a3)),
-            F64x4(_mm256_permute2f128_pd::<0x31>(a0, a2)),
-            F64x4(_mm256_permute2f128_pd::<0x31>(a1, a3)),
-        ]
     }
 }
 
@@ -470,6 +422,21 @@ impl Quadrants for F64x4 {
             )
         }
     }
+}
+
+/// Panics where there are no such rows.
+#[inline(always)]
+fn check_rows<V: Lanes>(sources: &[u32], to: &[f64], stride: usize) {
+    let length = stride.saturating_mul(V::COUNT - 1);
+    let length = length.saturating_add(sources.len());
+    assert!(to.len() >= length, "as many rows as lanes");
+}
+
+/// Panics where a source is not there.
+#[inline(always)]
+fn check_sources<V: Lanes>(stage: &[V], sources: &[u32]) {
+    let last = sources.iter().fold(0, |last, &source| source.max(last));
+    assert!((last as usize) < stage.len(), "a slot for each number");
 }
 
 /// From so many numbers on memset fills by a microcoded instruction, which takes twice as
