@@ -2,7 +2,6 @@
 
 use std::any::Any;
 use std::fmt;
-use std::iter;
 use std::mem;
 use std::sync::Mutex;
 
@@ -10,7 +9,7 @@ use roberval_mechanism::ParameterSpace;
 use roberval_scalar::{Lanes, MAX_LANES, Task};
 
 use crate::packed::{Export, InPlace, Packed, Projection};
-use crate::past::Buffer;
+use crate::past::copy_past;
 use crate::tile::Tile;
 use crate::tree_states::{Expanded, TreeStates};
 use crate::{
@@ -174,26 +173,6 @@ impl Form<'_> {
             Self::Packed(slots) => (slots, slots),
         }
     }
-
-    /// Room for the tiles of `out` that cannot be written in their place.
-    #[inline(always)]
-    fn buffer<'o, V: Lanes>(
-        self,
-        rows: &'o mut Vec<f64>,
-        room: (usize, &[f64]),
-        (stream, keep): (bool, bool),
-    ) -> Buffer<'o, V> {
-        match self {
-            Self::Rows(export) => {
-                let past = (stream, keep, export.steps::<V>());
-                Buffer::new(rows, room, export.filled(V::COUNT), past)
-            }
-            Self::Packed(_) => {
-                let all = iter::once(0..room.0);
-                Buffer::new(rows, room, all, (stream, keep, 1))
-            }
-        }
-    }
 }
 
 /// All samples' numbers into `out`.
@@ -212,6 +191,19 @@ impl Task for Fill<'_> {
 
     #[inline(always)]
     fn run<V: Lanes>(self) -> Self::Output {
+        let past = self.writing.past_cache;
+        let result = self.tiles::<V>();
+        if past {
+            V::fence();
+        }
+        result
+    }
+}
+
+impl Fill<'_> {
+    /// Tile after tile.
+    #[inline(always)]
+    fn tiles<V: Lanes>(self) -> Result<(), Fault> {
         let Self { robot, model, .. } = self;
         let mut work = match self.pool.take::<Work<V>>() {
             Some(work) => work,
@@ -258,43 +250,32 @@ fn write<V: Lanes>(
         let rows = out.chunks_exact_mut(export.len());
         return in_place((robot, places), model, states, work, rows);
     }
-    let (stream, keep) = (writing.past_cache && V::STREAMS, writing.keep_zeros);
     let projection = robot.projection.filter(|_| model != Model::H);
     let (slots, length) = form.sizes();
-    let whole = V::COUNT * length;
+    let past = writing.past_cache && V::STREAMS && length >= V::COUNT;
     let mut stage = Stage::take(work, projection, slots);
-    let mut rows = mem::take(&mut work.rows);
-    let mut buffer = form.buffer::<V>(&mut rows, (whole, &*out), (stream, keep));
-    for (tile, out) in out.chunks_mut(whole).enumerate() {
-        let direct = out.len() == whole && !stream;
-        let (near, mut past) = buffer.next();
-        let to = if direct { &mut *out } else { near };
+    for (tile, out) in out.chunks_mut(V::COUNT * length).enumerate() {
         // Packed numbers of all joints are where they belong at once.
-        let at_once = matches!(form, Form::Packed(_)) && projection.is_none();
-        let numbers = if at_once { &mut *to } else { stage.numbers() };
+        let at_once = matches!(form, Form::Packed(_)) && projection.is_none() && !past;
+        let numbers = if at_once { &mut *out } else { stage.numbers() };
         let mut sink = Packed::new(numbers);
         work.run(robot.tree, model, states, tile * V::COUNT, &mut sink)?;
+        let stage = stage.rows(work.g());
         match form {
             Form::Packed(_) if at_once => (),
-            Form::Packed(_) => to.copy_from_slice(stage.projected(work.g())),
-            Form::Rows(export) => {
-                let numbers = stage.with_zero(work.g());
-                if V::COUNT == 1 {
-                    export.write_one(V::numbers(numbers), to);
-                } else if stream {
-                    export.write(numbers, to, true, || past.step());
-                } else {
-                    export.write(numbers, to, keep || !direct, || ());
-                }
+            Form::Packed(_) if past => copy_past::<V>(&V::numbers(stage)[..out.len()], out),
+            Form::Packed(_) => out.copy_from_slice(&V::numbers(stage)[..out.len()]),
+            Form::Rows(export) if V::COUNT == 1 => export.write_one(V::numbers(stage), out),
+            Form::Rows(export) if out.len() < V::COUNT * length => {
+                let rows = &mut work.rows;
+                rows.resize(rows.len().max(V::COUNT * length), 0.0);
+                export.write(stage, rows, false);
+                out.copy_from_slice(&rows[..out.len()]);
             }
-        }
-        past.finish();
-        if !direct {
-            buffer.pass(out);
+            Form::Rows(export) if past => export.write_past(stage, out, writing.keep_zeros),
+            Form::Rows(export) => export.write(stage, out, writing.keep_zeros),
         }
     }
-    buffer.finish();
-    work.rows = rows;
     stage.give(work);
     Ok(())
 }
@@ -338,19 +319,12 @@ impl<'a, V: Lanes> Stage<'a, V> {
 
     /// The slots of the rows and a zero, once the recursion has run; with these values of G.
     #[inline(always)]
-    fn with_zero(&mut self, g: &[V]) -> &mut [V] {
+    fn rows(&mut self, g: &[V]) -> &mut [V] {
         let Some(projection) = self.projection else {
             return &mut self.tree;
         };
         projection.apply(g, &self.tree, &mut self.rows[..self.of_rows]);
         &mut self.rows
-    }
-
-    /// The numbers of those slots.
-    #[inline(always)]
-    fn projected(&mut self, g: &[V]) -> &[f64] {
-        let slots = self.of_rows;
-        V::numbers(&mut self.with_zero(g)[..slots])
     }
 
     /// Gives the room back.

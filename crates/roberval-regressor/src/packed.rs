@@ -7,6 +7,7 @@ use std::ops::Range;
 use roberval_mechanism::ParameterSpace;
 use roberval_scalar::Lanes;
 
+use crate::past::write_past;
 use crate::{
     DynamicsWorkspace, EnergyWorkspace, Model, Nonzero, Sink, Transmission, Tree, dynamics, energy,
 };
@@ -415,57 +416,29 @@ impl Export {
         }
     }
 
-    /// Pieces of a tile of so many samples that are not zero for every state.
-    pub(crate) fn filled(&self, samples: usize) -> impl Iterator<Item = Range<usize>> {
-        let length = self.len();
-        (0..samples).flat_map(move |sample| {
-            let first = sample * length;
-            let filled = self.filled.iter();
-            filled.map(move |range| first + range.start..first + range.end)
-        })
-    }
-
-    /// Steps that [`Export::write`] takes: blocks of numbers.
-    pub(crate) fn steps<V: Lanes>(&self) -> usize {
-        let blocks = self.filled.iter().map(|range| range.len() / V::COUNT);
-        blocks.sum()
-    }
-
-    /// Writes the samples of a tile, one after the other. `stage` has a zero after its
-    /// slots; what is zero for every state is left alone if it is so already. Calls
-    /// `meanwhile` after each block.
+    /// Writes the samples of a full tile, one after the other. `stage` has a zero after its
+    /// slots; what is zero for every state is left alone if it is so already.
     #[inline(always)]
-    pub(crate) fn write<V: Lanes>(
-        &self,
-        stage: &[V],
-        out: &mut [f64],
-        cleared: bool,
-        mut meanwhile: impl FnMut(),
-    ) {
+    pub(crate) fn write<V: Lanes>(&self, stage: &[V], out: &mut [f64], cleared: bool) {
         let length = self.len();
         let mut done = 0;
         for range in &self.filled {
             if !cleared {
                 zero::<V>(out, length, done..range.start);
             }
-            let whole = range.start + (range.len() / V::COUNT) * V::COUNT;
-            for first in (range.start..whole).step_by(V::COUNT) {
-                let sources = &self.sources[first..first + V::COUNT];
-                V::store_transposed(stage, sources, &mut out[first..], length);
-                meanwhile();
-            }
-            for at in whole..range.end {
-                let mut numbers = [0.0; BLOCK];
-                stage[self.sources[at] as usize].store(&mut numbers);
-                for (s, x) in numbers.iter().enumerate().take(V::COUNT) {
-                    out[s * length + at] = *x;
-                }
-            }
+            let sources = &self.sources[range.clone()];
+            V::store_transposed(stage, sources, &mut out[range.start..], length);
             done = range.end;
         }
         if !cleared {
             zero::<V>(out, length, done..length);
         }
+    }
+
+    /// The same past the cache.
+    #[inline(always)]
+    pub(crate) fn write_past<V: Lanes>(&self, stage: &mut [V], out: &mut [f64], cleared: bool) {
+        write_past(stage, (&self.sources, &self.filled), out, cleared);
     }
 }
 
