@@ -93,10 +93,10 @@ pub trait Lanes: Lift<f64> + Debug + Send + Sync + 'static {
         }
     }
 
-    /// Lines of those rows past the cache, for rows that are larger than it. Lines have
-    /// `COUNT` numbers; those that are written are the ones with numbers of these blocks (of
-    /// `COUNT` sources), other numbers in them taken for zeros. The first line of a row that is
-    /// whole wherever rows begin is line 1, the last one before `sources.len() / COUNT`.
+    /// Lines of those rows past the cache, for rows that are larger than it: `COUNT` numbers
+    /// that are aligned. Line 1 of a row is the first that is within it wherever rows begin,
+    /// line l has numbers of blocks l - 1 and l (of `COUNT` sources). Writes those of these
+    /// blocks as far as line `sources.len() / COUNT - 1`, zeros in place of other blocks.
     fn stream_transposed(
         stage: &[Self],
         (sources, blocks): (&[u32], Range<usize>),
@@ -107,7 +107,7 @@ pub trait Lanes: Lift<f64> + Debug + Send + Sync + 'static {
         for s in 0..Self::COUNT {
             let row = &mut to[s * stride..];
             let shift = row.as_ptr().addr() / size_of::<f64>() % Self::COUNT;
-            for line in blocks.start.max(1)..whole.min(blocks.end + 1) {
+            for line in blocks.start.max(1)..whole.min(blocks.end.saturating_add(1)) {
                 for at in (line * Self::COUNT - shift..).take(Self::COUNT) {
                     let mut numbers = [0.0; MAX_LANES];
                     if blocks.contains(&(at / Self::COUNT)) {

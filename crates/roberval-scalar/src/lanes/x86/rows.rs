@@ -144,7 +144,7 @@ macro_rules! rows {
             ///
             /// # Safety
             ///
-            /// As before.
+            /// The processor has the features, `stage` the sources, and the rows are there.
             #[target_feature(enable = $features)]
             pub unsafe fn stream(
                 stage: &[$name],
