@@ -9,7 +9,7 @@ use roberval_mechanism::ParameterSpace;
 use roberval_scalar::{Lanes, MAX_LANES, Task};
 
 use crate::packed::{Export, InPlace, Packed, Projection};
-use crate::past::copy_past;
+use crate::past::{FEW, copy};
 use crate::tile::Tile;
 use crate::tree_states::{Expanded, TreeStates};
 use crate::{
@@ -66,7 +66,7 @@ pub(crate) struct Work<V> {
     /// The packed numbers of a tile and a zero: of all joints, and of the independent ones.
     stage: Vec<V>,
     projected: Vec<V>,
-    /// The rows of a tile.
+    /// The rows of a tile that is not full, and of those that are short.
     rows: Vec<f64>,
     /// States of a stretch of samples.
     expanded: Expanded,
@@ -252,9 +252,17 @@ fn write<V: Lanes>(
     }
     let projection = robot.projection.filter(|_| model != Model::H);
     let (slots, length) = form.sizes();
-    let past = writing.past_cache && V::STREAMS && length >= V::COUNT;
+    let past = writing.past_cache && V::STREAMS;
+    let whole = V::COUNT * length;
+    // Rows that are not written in their place at once: of short ones, and of part of a tile.
+    let few = past && whole < FEW;
+    let mut rows = mem::take(&mut work.rows);
+    if few || !out.len().is_multiple_of(whole.max(1)) {
+        rows.clear();
+        rows.resize(whole, 0.0);
+    }
     let mut stage = Stage::take(work, projection, slots);
-    for (tile, out) in out.chunks_mut(V::COUNT * length).enumerate() {
+    for (tile, out) in out.chunks_mut(whole).enumerate() {
         // Packed numbers of all joints are where they belong at once.
         let at_once = matches!(form, Form::Packed(_)) && projection.is_none() && !past;
         let numbers = if at_once { &mut *out } else { stage.numbers() };
@@ -263,19 +271,17 @@ fn write<V: Lanes>(
         let stage = stage.rows(work.g());
         match form {
             Form::Packed(_) if at_once => (),
-            Form::Packed(_) if past => copy_past::<V>(&V::numbers(stage)[..out.len()], out),
-            Form::Packed(_) => out.copy_from_slice(&V::numbers(stage)[..out.len()]),
+            Form::Packed(_) => copy::<V>(&V::numbers(stage)[..out.len()], out, past),
             Form::Rows(export) if V::COUNT == 1 => export.write_one(V::numbers(stage), out),
-            Form::Rows(export) if out.len() < V::COUNT * length => {
-                let rows = &mut work.rows;
-                rows.resize(rows.len().max(V::COUNT * length), 0.0);
-                export.write(stage, rows, false);
-                out.copy_from_slice(&rows[..out.len()]);
+            Form::Rows(export) if few || out.len() < whole => {
+                export.write(stage, &mut rows, true);
+                copy::<V>(&rows[..out.len()], out, past);
             }
             Form::Rows(export) if past => export.write_past(stage, out, writing.keep_zeros),
             Form::Rows(export) => export.write(stage, out, writing.keep_zeros),
         }
     }
+    work.rows = rows;
     stage.give(work);
     Ok(())
 }

@@ -156,7 +156,7 @@ fn a_sample_has_the_same_bits_alone_and_among_others() {
 
 #[test]
 fn rows_past_the_cache_and_between_zeros_are_the_same_wherever_they_begin() {
-    // With tiles that wait for the next one, and with larger ones.
+    // From rows of less than a line to some megabytes a tile.
     for (seed, robot) in trees(16..=20)
         .chain(trees(40..=44))
         .chain(robots().take(36))
@@ -181,6 +181,29 @@ fn rows_past_the_cache_and_between_zeros_are_the_same_wherever_they_begin() {
                     assert!(same(&rows, &expected), "robot {seed}, {samples} samples");
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn packed_numbers_past_the_cache_are_the_same_wherever_they_begin() {
+    for (seed, robot) in robots().take(36).enumerate() {
+        for width in widths() {
+            let batch = Batch::random(&robot, 37, seed as u64);
+            let regressor = Regressor::new(&robot).with_width(width);
+            let model = Model::ALL[seed % 3];
+            let layout = regressor.packed_layout(model);
+            let count = layout.len(37, regressor.lanes());
+            let [mut expected, mut memory] = [count, count + 17].map(|count| vec![f64::NAN; count]);
+            let states = batch.states();
+            let filled = regressor.fill_packed_part(model, states, &mut expected, false);
+            filled.expect("valid");
+            let (head, out) = memory.split_at_mut(seed % 9);
+            let (out, tail) = out.split_at_mut(count);
+            let filled = regressor.fill_packed_part(model, states, out, true);
+            filled.expect("valid");
+            assert!(same(out, &expected), "robot {seed}, {width:?}");
+            assert!(head.iter().chain(&*tail).all(|x| x.is_nan()));
         }
     }
 }
