@@ -1,8 +1,8 @@
-//! Rows past the cache, straight from the registers: aligned lines as long as these.
+//! Rows past the cache, straight from the registers: whole lines of it.
 
 use std::ops::Range;
 
-use roberval_scalar::{Lanes, MAX_LANES};
+use roberval_scalar::{LINE, Lanes};
 
 /// Tiles of fewer numbers go through a buffer, which is faster: much of them is between whole
 /// lines (measured with rows of 6 to 400 numbers, 8 lanes and 4).
@@ -18,10 +18,10 @@ pub(crate) fn write_past<V: Lanes>(
     cleared: bool,
 ) {
     let length = sources.len();
-    let whole = length / V::COUNT;
+    let whole = length / LINE;
     let mut done = 1;
     for range in filled {
-        let blocks = range.start / V::COUNT..range.end.div_ceil(V::COUNT);
+        let blocks = range.start / LINE..range.end.div_ceil(LINE);
         if !cleared {
             zeros::<V>(out, length, done..blocks.start.min(whole));
         }
@@ -40,7 +40,10 @@ pub(crate) fn copy<V: Lanes>(numbers: &[f64], out: &mut [f64], past: bool) {
     if !past {
         return out.copy_from_slice(numbers);
     }
-    let head = out.as_ptr().align_offset(size_of::<V>()).min(out.len());
+    let head = out
+        .as_ptr()
+        .align_offset(size_of::<f64>() * LINE)
+        .min(out.len());
     let (first, lines) = out.split_at_mut(head);
     first.copy_from_slice(&numbers[..head]);
     V::stream(&numbers[head..], lines);
@@ -53,8 +56,8 @@ fn zeros<V: Lanes>(out: &mut [f64], length: usize, lines: Range<usize>) {
         return;
     }
     for s in 0..V::COUNT {
-        let first = line::<V>(out, s * length, lines.start);
-        V::stream_zeros(&mut out[first..][..lines.len() * V::COUNT]);
+        let first = line(out, s * length, lines.start);
+        V::stream_zeros(&mut out[first..][..lines.len() * LINE]);
     }
 }
 
@@ -69,22 +72,22 @@ fn borders<V: Lanes>(stage: &mut [V], sources: &[u32], out: &mut [f64]) {
     for s in 0..=V::COUNT {
         let row = s * length;
         let last = s == V::COUNT;
-        let end = if last { row } else { line::<V>(out, row, 1) };
+        let end = if last { row } else { line(out, row, 1) };
         let behind = (start..row).map(|at| number(s - 1, at + length - row));
         let before = (row..end).map(|at| number(s, at - row));
         // Less than two lines behind, one line before.
-        let mut border = [0.0; 3 * MAX_LANES];
+        let mut border = [0.0; 3 * LINE];
         for (x, number) in border.iter_mut().zip(behind.chain(before)) {
             *x = number;
         }
         V::stream(&border[..end - start], &mut out[start..end]);
-        start = line::<V>(out, row, length / V::COUNT);
+        start = line(out, row, length / LINE);
     }
 }
 
 /// Where a line of a row begins: line 0 has the row's first number.
 #[inline(always)]
-fn line<V: Lanes>(out: &[f64], row: usize, line: usize) -> usize {
-    let shift = (out.as_ptr().addr() / size_of::<f64>() + row) % V::COUNT;
-    row + line * V::COUNT - shift
+fn line(out: &[f64], row: usize, line: usize) -> usize {
+    let shift = (out.as_ptr().addr() / size_of::<f64>() + row) % LINE;
+    row + line * LINE - shift
 }

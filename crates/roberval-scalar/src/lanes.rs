@@ -24,6 +24,9 @@ use crate::Lift;
 /// The most lanes that any processor has.
 pub const MAX_LANES: usize = 8;
 
+/// Numbers of a line of the cache.
+pub const LINE: usize = 8;
+
 /// Some floats side by side, on which every operation acts lane by lane.
 ///
 /// A lane's result does not depend on its neighbours: a sample gives the same bits
@@ -93,24 +96,24 @@ pub trait Lanes: Lift<f64> + Debug + Send + Sync + 'static {
         }
     }
 
-    /// Lines of those rows past the cache, for rows that are larger than it: `COUNT` numbers
-    /// that are aligned. Line 1 of a row is the first that is within it wherever rows begin,
-    /// line l has numbers of blocks l - 1 and l (of `COUNT` sources). Writes those of these
-    /// blocks as far as line `sources.len() / COUNT - 1`, zeros in place of other blocks.
+    /// Lines of those rows past the cache, for rows that are larger than it. Line 1 of a row is
+    /// the first that is within it wherever rows begin, line l has numbers of blocks l - 1 and l
+    /// (of [`LINE`] sources). Writes those of these blocks as far as line
+    /// `sources.len() / LINE - 1`, zeros in place of other blocks.
     fn stream_transposed(
         stage: &[Self],
         (sources, blocks): (&[u32], Range<usize>),
         to: &mut [f64],
         stride: usize,
     ) {
-        let whole = sources.len() / Self::COUNT;
+        let whole = sources.len() / LINE;
         for s in 0..Self::COUNT {
             let row = &mut to[s * stride..];
-            let shift = row.as_ptr().addr() / size_of::<f64>() % Self::COUNT;
+            let shift = row.as_ptr().addr() / size_of::<f64>() % LINE;
             for line in blocks.start.max(1)..whole.min(blocks.end.saturating_add(1)) {
-                for at in (line * Self::COUNT - shift..).take(Self::COUNT) {
+                for at in (line * LINE - shift..).take(LINE) {
                     let mut numbers = [0.0; MAX_LANES];
-                    if blocks.contains(&(at / Self::COUNT)) {
+                    if blocks.contains(&(at / LINE)) {
                         stage[sources[at] as usize].store(&mut numbers);
                     }
                     row[at] = numbers[s];

@@ -29,7 +29,7 @@ pub use cancel::{Cancelled, cancellable, cancellation_point};
 pub use double_double::DoubleDouble;
 pub use field::{Fp, Modulus};
 pub use formula::{Formula, Jet};
-pub use lanes::{Lanes, MAX_LANES, Task, Width, dispatch, dispatch_one};
+pub use lanes::{LINE, Lanes, MAX_LANES, Task, Width, dispatch, dispatch_one};
 pub use linear::LinearInPi;
 pub use literal::{
     Constants, Decimal, Expr, LiteralError, LiteralFault, MAX_LITERAL_BYTES, MAX_LITERAL_DEPTH,

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use num_rational::BigRational;
 use num_traits::Zero;
-use roberval_scalar::{DoubleDouble, Lanes, LinearInPi, SplitMix64, Task, Width, dispatch};
+use roberval_scalar::{DoubleDouble, LINE, Lanes, LinearInPi, SplitMix64, Task, Width, dispatch};
 
 /// The bound that the documentation of `Lanes::sin_cos` states.
 const ULPS: f64 = 1.0;
@@ -355,12 +355,12 @@ fn rows_have_their_numbers_and_no_others_are_touched() {
 fn lines_past_the_cache_are_those_of_the_blocks_wherever_rows_begin() {
     for width in widths() {
         let count = width.lanes();
-        for (length, first) in (0..7 * count).flat_map(|n| (0..count).map(move |f| (n, f))) {
+        for (length, first) in (0..7 * LINE).flat_map(|n| (0..LINE).map(move |f| (n, f))) {
             let sources = Vec::from_iter((0..length as u32).map(|k| 7 * k % 16));
-            let whole = length / count;
+            let whole = length / LINE;
             for blocks in (0..=whole).flat_map(|a| (a..=whole).map(move |b| a..b)) {
-                let mut memory = vec![-1.0; count * length + 2 * count];
-                let start = memory.as_ptr().align_offset(8 * count) + first;
+                let mut memory = vec![-1.0; count * length + 2 * LINE];
+                let start = memory.as_ptr().align_offset(8 * LINE) + first;
                 let to = &mut memory[start..start + count * length];
                 dispatch(
                     width,
@@ -374,11 +374,11 @@ fn lines_past_the_cache_are_those_of_the_blocks_wherever_rows_begin() {
                 let mut expected = vec![-1.0; memory.len()];
                 for s in 0..count {
                     let row = start + s * length;
-                    let shift = (first + s * length) % count;
+                    let shift = (first + s * length) % LINE;
                     for line in blocks.start.max(1)..whole.min(blocks.end + 1) {
-                        for at in line * count - shift..(line + 1) * count - shift {
+                        for at in line * LINE - shift..(line + 1) * LINE - shift {
                             let slot = sources[at];
-                            let zero = slot == 15 || !blocks.contains(&(at / count));
+                            let zero = slot == 15 || !blocks.contains(&(at / LINE));
                             expected[row + at] = if zero {
                                 0.0
                             } else {

@@ -16,7 +16,7 @@ use super::arithmetic::arithmetic;
 use super::fused::Fused;
 use super::trigonometry::{self, Quadrants};
 use super::{Lanes, Task, Width};
-use crate::{Lift, Scalar};
+use crate::{LINE, Lift, Scalar};
 
 pub(super) fn available(width: Width) -> bool {
     /// A bit a width, and one above them once the processor was asked: each question is several.
@@ -243,8 +243,8 @@ macro_rules! lanes {
                 stride: usize,
             ) {
                 check_rows::<Self>(sources.len(), to, stride);
-                let end = sources.len().min(blocks.end.saturating_mul($count));
-                check_sources(stage, &sources[blocks.start * $count..end]);
+                let end = sources.len().min(blocks.end.saturating_mul(LINE));
+                check_sources(stage, &sources[blocks.start * LINE..end]);
                 // SAFETY: what is read and written is there (checked); see the module.
                 unsafe { rows::$module::stream(stage, (sources, blocks), to.as_mut_ptr(), stride) }
             }

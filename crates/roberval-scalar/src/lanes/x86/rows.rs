@@ -103,15 +103,32 @@ fn then4(a: F64x4, b: F64x4, count: usize) -> F64x4 {
     }
 }
 
+/// The last `count` numbers of the line `a`, less than 8, then the first of `b`.
+#[inline(always)]
+fn line8([a]: [F64x8; 1], [b]: [F64x8; 1], count: usize) -> [F64x8; 1] {
+    [then8(a, b, count)]
+}
+
+/// The same in halves.
+#[inline(always)]
+fn line4(a: [F64x4; 2], b: [F64x4; 2], count: usize) -> [F64x4; 2] {
+    if count < 4 {
+        [then4(a[1], b[0], count), then4(b[0], b[1], count)]
+    } else {
+        [then4(a[0], a[1], count), then4(a[1], b[0], count)]
+    }
+}
+
 /// The loops for lanes of one width.
 macro_rules! rows {
     ($module:ident: $features:literal, $name:ident, $count:literal lanes,
-     $zero:ident, $store:ident, $stream:ident, $transposed:ident, $then:ident) => {
+     $zero:ident, $store:ident, $stream:ident, $transposed:ident, $line:ident) => {
         pub(super) mod $module {
             use std::arch::x86_64::*;
             use std::ops::Range;
 
-            use super::{$name, $then, $transposed};
+            use super::{$line, $name, $transposed};
+            use crate::LINE;
 
             /// See `Lanes::store_transposed`.
             ///
@@ -152,36 +169,44 @@ macro_rules! rows {
                 to: *mut f64,
                 stride: usize,
             ) {
+                const PARTS: usize = LINE / $count;
                 let stage = stage.as_ptr().cast::<f64>();
-                let zero = [$name($zero()); $count];
-                let whole = sources.len() / $count;
+                let zero = [[$name($zero()); $count]; PARTS];
+                let whole = sources.len() / LINE;
                 let end = blocks.end.min(whole);
                 let (mut rows, mut shifts) = ([to; $count], [0; $count]);
                 for (s, (row, shift)) in rows.iter_mut().zip(&mut shifts).enumerate() {
                     *row = to.wrapping_add(s * stride);
-                    *shift = row.addr() / size_of::<f64>() % $count;
+                    *shift = row.addr() / size_of::<f64>() % LINE;
                     *row = row.wrapping_sub(*shift);
                 }
-                let put = |line: usize, before: [$name; $count], now: [$name; $count]| {
+                // A line's parts one after the other: half of one would go to memory alone.
+                let put = |line: usize, before: &[_; PARTS], now: &[[$name; $count]; PARTS]| {
                     for (s, (row, shift)) in rows.iter().zip(shifts).enumerate() {
-                        // SAFETY: the line is aligned, and within its row (the caller's).
-                        unsafe {
-                            $stream(row.add($count * line), $then(before[s], now[s], shift).0)
+                        let of = |parts: &[[$name; $count]; PARTS]| parts.map(|part| part[s]);
+                        for (part, numbers) in $line(of(before), of(now), shift).iter().enumerate()
+                        {
+                            // SAFETY: the line is aligned, and within its row (the caller's).
+                            unsafe { $stream(row.add(LINE * line + $count * part), numbers.0) }
                         }
                     }
                 };
                 let mut before = zero;
                 for block in blocks.start..end {
-                    let sources = &sources[$count * block..][..$count];
-                    // SAFETY: the caller's.
-                    let now = unsafe { $transposed(|k| stage.add($count * sources[k] as usize)) };
+                    let mut now = zero;
+                    for (part, columns) in now.iter_mut().enumerate() {
+                        let sources = &sources[LINE * block + $count * part..][..$count];
+                        // SAFETY: the caller's.
+                        *columns =
+                            unsafe { $transposed(|k| stage.add($count * sources[k] as usize)) };
+                    }
                     if block > 0 {
-                        put(block, before, now);
+                        put(block, &before, &now);
                     }
                     before = now;
                 }
                 if (blocks.start.max(1)..whole).contains(&end) {
-                    put(end, before, zero);
+                    put(end, &before, &zero);
                 }
             }
         }
@@ -190,9 +215,9 @@ macro_rules! rows {
 
 rows!(
     eight: "avx512f,avx512dq,avx512vl,avx2,fma", F64x8, 8 lanes,
-    _mm512_setzero_pd, _mm512_storeu_pd, _mm512_stream_pd, transposed8, then8
+    _mm512_setzero_pd, _mm512_storeu_pd, _mm512_stream_pd, transposed8, line8
 );
 rows!(
     four: "avx2,fma", F64x4, 4 lanes,
-    _mm256_setzero_pd, _mm256_storeu_pd, _mm256_stream_pd, transposed4, then4
+    _mm256_setzero_pd, _mm256_storeu_pd, _mm256_stream_pd, transposed4, line4
 );
