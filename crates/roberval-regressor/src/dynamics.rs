@@ -6,7 +6,7 @@ use roberval_scalar::{Lift, Scalar};
 
 use crate::forces::Forces;
 use crate::frame::{Frame, General, Near, Right, with_frame};
-use crate::vector::{Mat3, Vec3, lift3, negative};
+use crate::vector::{Vec3, lift3, negative};
 use crate::workspace::{Ancestor, Link, Own};
 use crate::{Constants, DynamicsWorkspace, JointMotion, Nonzero, Sink, Tree};
 
@@ -53,12 +53,12 @@ pub fn dynamics<C: Copy, T: Lift<C>>(
         match link.own {
             Own::Alone { opposite } => {
                 let forces = Forces::spinning(zero, &state);
-                link.keep(&state, &forces.u);
+                link.keep(&state);
                 alone(zero, (j, link, opposite), &forces, motion.qdd, sink);
             }
             _ => {
                 let forces = Forces::of(&state);
-                link.keep(&state, &forces.u);
+                link.keep(&state);
                 match link.placing.order {
                     _ if link.massless => {}
                     0 => on_path::<0, T>(zero, (j, link), motion.qdd, &forces, sink),
@@ -167,7 +167,7 @@ fn step<C: Copy, T: Lift<C>>(
     antecedent: Option<&Link<T>>,
     (far, near): Path<'_, T>,
 ) -> BodyState<T> {
-    let parent = antecedent.map(|a| (&a.state, &a.u));
+    let parent = antecedent.map(|a| &a.state);
     let state = forward(frame, tree, joint, parent);
     let Some(antecedent) = antecedent else {
         return state;
@@ -195,15 +195,15 @@ fn forward<C: Copy, T: Lift<C>>(
     frame: &impl Frame<T>,
     tree: &Tree<C>,
     joint: JointKind,
-    parent: Option<(&BodyState<T>, &Mat3<T>)>,
+    parent: Option<&BodyState<T>>,
 ) -> BodyState<T> {
     let zero = [T::lift(tree.constants.zero); 3];
     let (mut w, mut dw, mut a) = match parent {
-        Some((parent, u)) => (
-            frame.turn(frame.take(&parent.w)),
-            frame.turn(frame.take(&parent.dw)),
-            frame.turn(frame.at_origin(frame.take(&parent.a), u)),
-        ),
+        Some(parent) => {
+            let [w, dw, a] = [&parent.w, &parent.dw, &parent.a].map(|v| frame.take(v));
+            let a = frame.at_origin(a, w, dw);
+            (frame.turn(w), frame.turn(dw), frame.turn(a))
+        }
         None => {
             let up = negative(lift3(&tree.gravity));
             (zero, zero, frame.turn(frame.take(&up)))

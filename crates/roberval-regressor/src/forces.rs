@@ -21,28 +21,58 @@ const NOT_LAST: u8 = 0b011;
 pub(crate) struct Forces<T> {
     dw: Vec3<T>,
     a: Vec3<T>,
-    pub u: Mat3<T>,
+    u: Mat3<T>,
     /// Entry k is w_i w_j.
     products: Vec3<T>,
     /// Entry k is w_i^2 - w_j^2.
     differences: Vec3<T>,
 }
 
+/// The products of the components of w.
+struct Spin<T> {
+    /// Entry k is w_k^2.
+    squares: Vec3<T>,
+    /// Entry k is w_i w_j.
+    products: Vec3<T>,
+}
+
+impl<T: Scalar> Spin<T> {
+    #[inline(always)]
+    fn of([x, y, z]: Vec3<T>) -> Self {
+        Self {
+            squares: [x * x, y * y, z * z],
+            products: [y * z, x * z, x * y],
+        }
+    }
+
+    /// U = `[dw]x + [w]x [w]x`: a point fixed at p in the body's frame accelerates by a + U p.
+    #[inline(always)]
+    fn u(&self, dw: Vec3<T>) -> Mat3<T> {
+        let ([x2, y2, z2], [yz, xz, xy]) = (self.squares, self.products);
+        [
+            [-(y2 + z2), xy - dw[2], xz + dw[1]],
+            [xy + dw[2], -(x2 + z2), yz - dw[0]],
+            [xz - dw[1], yz + dw[0], -(x2 + y2)],
+        ]
+    }
+}
+
+/// U of a body.
+#[inline(always)]
+pub(crate) fn acceleration_field<T: Scalar>(w: Vec3<T>, dw: Vec3<T>) -> Mat3<T> {
+    Spin::of(w).u(dw)
+}
+
 impl<T: Scalar> Forces<T> {
     #[inline(always)]
     pub(crate) fn of(state: &BodyState<T>) -> Self {
-        let (w, dw) = (state.w, state.dw);
-        let (x2, y2, z2) = (w[0] * w[0], w[1] * w[1], w[2] * w[2]);
-        let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
+        let (spin, dw) = (Spin::of(state.w), state.dw);
+        let [x2, y2, z2] = spin.squares;
         Self {
             dw,
             a: state.a,
-            u: [
-                [-(y2 + z2), xy - dw[2], xz + dw[1]],
-                [xy + dw[2], -(x2 + z2), yz - dw[0]],
-                [xz - dw[1], yz + dw[0], -(x2 + y2)],
-            ],
-            products: [yz, xz, xy],
+            u: spin.u(dw),
+            products: spin.products,
             differences: [y2 - z2, z2 - x2, x2 - y2],
         }
     }

@@ -4,6 +4,7 @@
 use roberval_mechanism::JointKind;
 use roberval_scalar::{Lift, Scalar};
 
+use crate::forces::acceleration_field;
 use crate::layout::{Layout, ordered, usual};
 use crate::vector::{
     Mat3, Vec3, add, apply, apply_transposed, cross, dot, lift3, lift9, negative, product, scale,
@@ -112,8 +113,8 @@ pub(crate) trait Frame<T: Scalar> {
     fn turn(&self, v: Vec3<T>) -> Vec3<T>;
     /// `v + e x p`
     fn carry(&self, v: Vec3<T>, e: Vec3<T>) -> Vec3<T>;
-    /// a + U p, U as the antecedent has it.
-    fn at_origin(&self, a: Vec3<T>, u: &Mat3<T>) -> Vec3<T>;
+    /// a + U p, given the antecedent's w and dw.
+    fn at_origin(&self, a: Vec3<T>, w: Vec3<T>, dw: Vec3<T>) -> Vec3<T>;
     /// h + g . p
     fn rise(&self, h: T, g: Vec3<T>) -> T;
     /// Velocity and acceleration of the joint, along [`Frame::along_axis`].
@@ -185,15 +186,8 @@ impl<T: Scalar> Frame<T> for General<T> {
     }
 
     #[inline(always)]
-    fn at_origin(&self, a: Vec3<T>, u: &Mat3<T>) -> Vec3<T> {
-        let rows = usual(u, self.order);
-        let [x, y, z] = &rows;
-        let u = [
-            usual(x, self.order),
-            usual(y, self.order),
-            usual(z, self.order),
-        ];
-        add(a, apply(&u, self.origin))
+    fn at_origin(&self, a: Vec3<T>, w: Vec3<T>, dw: Vec3<T>) -> Vec3<T> {
+        add(a, apply(&acceleration_field(w, dw), self.origin))
     }
 
     #[inline(always)]
@@ -394,13 +388,12 @@ impl<T: Scalar, const FRAME: u8> Frame<T> for Right<'_, T, FRAME> {
     }
 
     #[inline(always)]
-    fn at_origin(&self, a: Vec3<T>, u: &Mat3<T>) -> Vec3<T> {
-        let mut sum = a;
+    fn at_origin(&self, a: Vec3<T>, w: Vec3<T>, dw: Vec3<T>) -> Vec3<T> {
+        let (u, mut sum) = (acceleration_field(w, dw), a);
         for k in 0..3 {
             if Self::has(k as u8) {
-                for (row, sum) in sum.iter_mut().enumerate() {
-                    let entry = u[(Self::ONTO + row) % 3][(Self::ONTO + k) % 3];
-                    *sum = entry.mul_add(self.p[k], *sum);
+                for (row, sum) in u.iter().zip(&mut sum) {
+                    *sum = row[k].mul_add(self.p[k], *sum);
                 }
             }
         }

@@ -9,6 +9,7 @@
 use roberval_mechanism::{JointKind, ParameterSpace};
 use roberval_scalar::Scalar;
 
+use crate::forces::acceleration_field;
 use crate::vector::{Mat3, Vec3, add, apply, apply_transposed, cross, dot, scale};
 use crate::{BaseState, Body, JointMotion, Moments, Shape, Tree};
 
@@ -207,16 +208,4 @@ fn turned<T: Scalar>(body: &Body<T>, motion: &JointMotion<T>, v: Vec3<T>) -> Vec
         _ => v,
     };
     apply(&body.rotation, v)
-}
-
-/// U = `[dw]x + [w]x [w]x`.
-#[inline(always)]
-fn acceleration_field<T: Scalar>(w: Vec3<T>, dw: Vec3<T>) -> Mat3<T> {
-    let (xx, yy, zz) = (w[0] * w[0], w[1] * w[1], w[2] * w[2]);
-    let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
-    [
-        [-(yy + zz), xy - dw[2], xz + dw[1]],
-        [xy + dw[2], -(xx + zz), yz - dw[0]],
-        [xz - dw[1], yz + dw[0], -(xx + yy)],
-    ]
 }

@@ -6,7 +6,7 @@ use roberval_scalar::{Lift, Scalar};
 use crate::dynamics::BodyState;
 use crate::frame::{Near, Placing};
 use crate::layout::{Layout, ordered};
-use crate::vector::{Mat3, Vec3, lift3};
+use crate::vector::{Vec3, lift3};
 use crate::{BaseState, Body, Tree};
 
 /// Working memory of [`crate::dynamics()`], made once for a tree.
@@ -20,10 +20,8 @@ pub struct DynamicsWorkspace<T> {
 pub(crate) struct Link<T> {
     pub placing: Placing<T>,
     pub antecedent: Option<usize>,
-    /// How it moves, and U = `[dw]x + [w]x [w]x`: a point fixed at p in its frame accelerates
-    /// by a + U p.
+    /// How it moves, if another body hangs on it.
     pub state: BodyState<T>,
-    pub u: Mat3<T>,
     /// The joints of its path from the base, its own last.
     pub path: Vec<Ancestor<T>>,
     /// How many of them are inherited and lie in any way.
@@ -143,7 +141,6 @@ impl<T: Scalar> Link<T> {
                 dw: zero,
                 a: zero,
             },
-            u: [zero; 3],
             path,
             far,
             own,
@@ -156,9 +153,9 @@ impl<T: Scalar> Link<T> {
 
     /// Keeps for the bodies that hang on it how it moves.
     #[inline(always)]
-    pub(crate) fn keep(&mut self, state: &BodyState<T>, u: &Mat3<T>) {
+    pub(crate) fn keep(&mut self, state: &BodyState<T>) {
         if self.carries {
-            (self.state, self.u) = (*state, *u);
+            self.state = *state;
         }
     }
 }
