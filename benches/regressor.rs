@@ -99,7 +99,7 @@ impl Task for SinCos<'_> {
             .chunks_exact(V::COUNT)
             .zip(out.chunks_exact_mut(V::COUNT))
         {
-            let (sin, cos) = V::load(x).sin_cos();
+            let [(sin, cos)] = V::sin_cos([V::load(x)]);
             (sin + cos).store(out);
         }
     }

@@ -201,7 +201,9 @@ fn fill<V: Lanes>(plan: &Plan, samples: &Measured<'_>, at: usize, group: usize, 
 fn transpose<V: Lanes>(table: &[f64], n: usize, [at, first]: [usize; 2], to: &mut [V; MAX_LANES]) {
     let from = &table[at * n + first..];
     if from.len() >= (V::COUNT - 1) * n + V::COUNT {
-        V::load_transposed(from, n, to);
+        V::load_transposed(from, n, 1, |_, columns| {
+            to[..V::COUNT].copy_from_slice(columns)
+        });
         return;
     }
     // A whole block would read beyond the table's end.

@@ -111,13 +111,13 @@ impl<V: Lanes> Work<V> {
                 if let Some(base) = &self.tile.base {
                     self.dynamics.move_base(tree, base);
                 }
-                dynamics(tree, &self.tile.motion, &mut self.dynamics, sink);
+                dynamics(tree, self.tile.motion(), &mut self.dynamics, sink);
             }
             Model::H => {
                 if let Some(base) = &self.tile.base {
                     self.energy.move_base(tree, base);
                 }
-                energy(tree, &self.tile.motion, &mut self.energy, sink);
+                energy(tree, self.tile.motion(), &mut self.energy, sink);
             }
         }
         Ok(())

@@ -16,7 +16,8 @@ fn widths() -> impl Iterator<Item = Width> {
     Width::ALL.into_iter().filter(|width| width.is_available())
 }
 
-/// Sines and cosines of as many numbers as divide by all widths.
+/// Sines and cosines of as many numbers as divide by all widths: of each register alone, which
+/// two together must give, too.
 struct SinCos<'a>(&'a [f64]);
 
 impl Task for SinCos<'_> {
@@ -24,13 +25,23 @@ impl Task for SinCos<'_> {
 
     #[inline(always)]
     fn run<V: Lanes>(self) -> Self::Output {
-        let mut out = Vec::new();
-        for x in self.0.chunks_exact(V::COUNT) {
-            let (sin, cos) = V::load(x).sin_cos();
+        let numbers = |(sin, cos): (V, V)| {
             let (mut sines, mut cosines) = ([0.0; 8], [0.0; 8]);
             sin.store(&mut sines);
             cos.store(&mut cosines);
-            out.extend((0..V::COUNT).map(|lane| (sines[lane], cosines[lane])));
+            (0..V::COUNT).map(move |lane| (sines[lane], cosines[lane]))
+        };
+        let mut out = Vec::new();
+        for x in self.0.chunks_exact(V::COUNT) {
+            let [alone] = V::sin_cos([V::load(x)]);
+            out.extend(numbers(alone));
+        }
+        let bits = |(sin, cos): (f64, f64)| (sin.to_bits(), cos.to_bits());
+        for (x, alone) in (self.0.windows(2 * V::COUNT)).zip(out.windows(2 * V::COUNT)) {
+            let (first, second) = x.split_at(V::COUNT);
+            let both = V::sin_cos([V::load(first), V::load(second)]);
+            let both = both.into_iter().flat_map(numbers);
+            assert!(both.zip(alone).all(|(a, &b)| bits(a) == bits(b)));
         }
         out
     }
@@ -227,20 +238,19 @@ impl Task for Transpose<'_> {
         let mut out = vec![0.0; 64];
         let sources: Vec<u32> = (0..8).collect();
         for i in (0..8).step_by(V::COUNT) {
-            for j in (0..8).step_by(V::COUNT) {
-                let mut block = vec![V::lift(0.0); 8];
-                V::load_transposed(&self.0[8 * i + j..], 8, &mut block);
+            V::load_transposed(&self.0[8 * i..], 8, 8 / V::COUNT, |k, block| {
+                let j = k * V::COUNT;
                 // Lane vectors are columns: written as rows they are the transpose.
-                for (k, column) in block.iter().take(V::COUNT).enumerate() {
+                for (k, column) in block.iter().enumerate() {
                     column.store(&mut out[8 * (j + k) + i..]);
                 }
                 let mut back = vec![0.0; 64];
-                V::store_transposed(&block, &sources, &mut back, 8);
+                V::store_transposed(block, &sources[..V::COUNT], &mut back, 8);
                 for s in 0..V::COUNT {
                     let there = &self.0[8 * (i + s) + j..][..V::COUNT];
                     assert_eq!(&back[8 * s..][..V::COUNT], there);
                 }
-            }
+            });
         }
         out
     }
@@ -257,7 +267,7 @@ fn blocks_are_transposed_and_back() {
     }
 }
 
-/// Whether each of an 8 x 8 table's blocks is found to be finite.
+/// Whether all of an 8 x 8 table is found to be finite.
 struct Finite<'a>(&'a [f64]);
 
 impl Task for Finite<'_> {
@@ -265,12 +275,9 @@ impl Task for Finite<'_> {
 
     #[inline(always)]
     fn run<V: Lanes>(self) -> bool {
-        let mut block = [V::lift(0.0); 8];
         let mut none = V::lift(0.0);
-        for (i, j) in (0..64).map(|k| (k / 8, k % 8)) {
-            if i % V::COUNT == 0 && j % V::COUNT == 0 {
-                none = none + V::load_transposed(&self.0[8 * i + j..], 8, &mut block);
-            }
+        for i in (0..8).step_by(V::COUNT) {
+            none = none + V::load_transposed(&self.0[8 * i..], 8, 8 / V::COUNT, |_, _| {});
         }
         none.is_zero()
     }

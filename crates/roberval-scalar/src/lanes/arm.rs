@@ -112,20 +112,29 @@ impl Lanes for F64x2 {
 
     #[inline(always)]
     fn is_zero(self) -> bool {
-        self.all_within(0.0)
+        Self::all_within([self], 0.0)
     }
 
     #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        trigonometry::sin_cos(self)
+    fn sin_cos<const N: usize>(x: [Self; N]) -> [(Self, Self); N] {
+        trigonometry::sin_cos(x)
     }
 
     #[inline(always)]
-    fn load_transposed(from: &[f64], stride: usize, to: &mut [Self]) -> Self {
-        let rows = [Self::load(from), Self::load(&from[stride..])];
-        to[..2].copy_from_slice(&transposed(rows));
+    fn load_transposed(
+        from: &[f64],
+        stride: usize,
+        blocks: usize,
+        mut put: impl FnMut(usize, &[Self]),
+    ) -> Self {
         let zero = Self::lift(0.0);
-        rows[1].mul_add(zero, rows[0] * zero)
+        let mut none = zero;
+        for block in 0..blocks {
+            let rows = [0, stride].map(|row| Self::load(&from[row + 2 * block..]));
+            put(block, &transposed(rows));
+            none = rows[1].mul_add(zero, rows[0].mul_add(zero, none));
+        }
+        none
     }
 
     #[inline(always)]
@@ -154,10 +163,13 @@ fn transposed([a, b]: [F64x2; 2]) -> [F64x2; 2] {
 
 impl Quadrants for F64x2 {
     #[inline(always)]
-    fn all_within(self, bound: f64) -> bool {
+    fn all_within<const N: usize>(x: [Self; N], bound: f64) -> bool {
         // SAFETY: see the module.
         unsafe {
-            let within = vcleq_f64(vabsq_f64(self.0), vdupq_n_f64(bound));
+            let mut within = vdupq_n_u64(u64::MAX);
+            for x in x {
+                within = vandq_u64(within, vcleq_f64(vabsq_f64(x.0), vdupq_n_f64(bound)));
+            }
             vgetq_lane_u64::<0>(within) & vgetq_lane_u64::<1>(within) == u64::MAX
         }
     }

@@ -129,15 +129,15 @@ impl Lanes for Fused {
     }
 
     #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        trigonometry::sin_cos(self)
+    fn sin_cos<const N: usize>(x: [Self; N]) -> [(Self, Self); N] {
+        trigonometry::sin_cos(x)
     }
 }
 
 impl Quadrants for Fused {
     #[inline(always)]
-    fn all_within(self, bound: f64) -> bool {
-        self.0.abs() <= bound
+    fn all_within<const N: usize>(x: [Self; N], bound: f64) -> bool {
+        x.iter().all(|x| x.0.abs() <= bound)
     }
 
     #[inline(always)]

@@ -46,7 +46,7 @@ impl Lanes for f64 {
     }
 
     #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        f64::sin_cos(self)
+    fn sin_cos<const N: usize>(x: [Self; N]) -> [(Self, Self); N] {
+        x.map(f64::sin_cos)
     }
 }

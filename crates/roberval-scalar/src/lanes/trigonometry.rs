@@ -39,7 +39,7 @@ const C: [f64; 6] = [
 /// What the reduction needs of the lanes' bits.
 pub(super) trait Quadrants: Lanes {
     /// Whether all |x| are at most `bound` (no if one is NaN).
-    fn all_within(self, bound: f64) -> bool;
+    fn all_within<const N: usize>(x: [Self; N], bound: f64) -> bool;
 
     /// Sine and cosine of an angle from those of its remainder: `rounded` is the number
     /// of quarter turns between them plus [`ROUNDER`].
@@ -48,58 +48,75 @@ pub(super) trait Quadrants: Lanes {
 
 /// Sine and cosine of every lane.
 #[inline(always)]
-pub(super) fn sin_cos<V: Quadrants>(x: V) -> (V, V) {
-    let (sin, cos) = reduced(x);
-    if x.all_within(LARGEST) {
-        (sin, cos)
-    } else {
-        by_library(x, sin, cos)
+pub(super) fn sin_cos<V: Quadrants, const N: usize>(x: [V; N]) -> [(V, V); N] {
+    let mut found = reduced(x);
+    if !V::all_within(x, LARGEST) {
+        for (found, x) in found.iter_mut().zip(x) {
+            *found = by_library(x, *found);
+        }
     }
+    found
 }
 
-/// Sine and cosine where |x| <= [`LARGEST`], elsewhere anything.
+/// Sine and cosine where |x| <= [`LARGEST`], elsewhere anything. All angles take each step
+/// together, so that none waits for another.
 #[inline(always)]
-fn reduced<V: Quadrants>(x: V) -> (V, V) {
-    let rounded = x.mul_add(V::lift(std::f64::consts::FRAC_2_PI), V::lift(ROUNDER));
-    let turns = rounded - V::lift(ROUNDER);
+fn reduced<V: Quadrants, const N: usize>(x: [V; N]) -> [(V, V); N] {
+    let (mut rounded, mut r, mut tail, mut z) = (x, x, x, x);
+    for k in 0..N {
+        rounded[k] = x[k].mul_add(V::lift(std::f64::consts::FRAC_2_PI), V::lift(ROUNDER));
+        (r[k], tail[k]) = remainder(x[k], rounded[k] - V::lift(ROUNDER));
+        z[k] = r[k] * r[k];
+    }
+    let (s, c) = (polynomial(&S, z), polynomial(&C, z));
+    let mut turned = [(V::lift(0.0), V::lift(0.0)); N];
+    for k in 0..N {
+        let (sin, cos) = of_remainder((r[k], tail[k]), z[k], (s[k], c[k]));
+        turned[k] = V::turn(rounded[k], sin, cos);
+    }
+    turned
+}
+
+/// An angle less so many quarter turns, and what the rounding of that loses; nothing where it
+/// is small by cancellation.
+#[inline(always)]
+fn remainder<V: Lanes>(x: V, turns: V) -> (V, V) {
     // Exact: both terms are multiples of 2^-53, and the difference is below 1.
     let exact = turns.neg_mul_add(V::lift(HALF_PI[0]), x);
     let r = turns.neg_mul_add(V::lift(HALF_PI[1]), exact);
-    // What the rounding of r loses; nothing where r is small by cancellation.
     let lost = turns.neg_mul_add(V::lift(HALF_PI[1]), exact - r);
-    let tail = turns.neg_mul_add(V::lift(HALF_PI[2]), lost);
-    let (sin, cos) = of_remainder(r, tail);
-    V::turn(rounded, sin, cos)
+    (r, turns.neg_mul_add(V::lift(HALF_PI[2]), lost))
 }
 
-/// Sine and cosine of `r + tail` in [-pi/4, pi/4].
+/// Sine and cosine of `r + tail` in [-pi/4, pi/4], given z = r^2, S(z) and C(z).
 #[inline(always)]
-fn of_remainder<V: Lanes>(r: V, tail: V) -> (V, V) {
-    let z = r * r;
+fn of_remainder<V: Lanes>((r, tail): (V, V), z: V, (s, c): (V, V)) -> (V, V) {
     let (one, half) = (V::lift(1.0), V::lift(0.5));
     // sin(r + t) = sin r + t cos r, cos(r + t) = cos r - t sin r.
     let flat = z * half;
     let leading = one - flat;
-    let sin = r + (r * z).mul_add(polynomial(&S, z), tail * leading);
+    let sin = r + (r * z).mul_add(s, tail * leading);
     let rest = (one - leading) - flat;
-    let cos = leading + (z * z).mul_add(polynomial(&C, z), r.neg_mul_add(tail, rest));
+    let cos = leading + (z * z).mul_add(c, r.neg_mul_add(tail, rest));
     (sin, cos)
 }
 
 /// A polynomial by Horner's rule.
 #[inline(always)]
-fn polynomial<V: Lanes>(c: &[f64; 6], z: V) -> V {
-    let mut sum = V::lift(c[0]);
+fn polynomial<V: Lanes, const N: usize>(c: &[f64; 6], z: [V; N]) -> [V; N] {
+    let mut sums = [V::lift(c[0]); N];
     for &c in &c[1..] {
-        sum = sum.mul_add(z, V::lift(c));
+        for (sum, z) in sums.iter_mut().zip(z) {
+            *sum = sum.mul_add(z, V::lift(c));
+        }
     }
-    sum
+    sums
 }
 
 /// Large angles, infinities and NaN anew, lane by lane; the others stay as they are.
 #[cold]
 #[inline(never)]
-fn by_library<V: Lanes>(x: V, sin: V, cos: V) -> (V, V) {
+fn by_library<V: Lanes>(x: V, (sin, cos): (V, V)) -> (V, V) {
     let [mut angles, mut sines, mut cosines] = [[0.0; MAX_LANES]; 3];
     x.store(&mut angles);
     sin.store(&mut sines);

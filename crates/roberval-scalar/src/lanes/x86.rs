@@ -206,23 +206,31 @@ macro_rules! lanes {
 
             #[inline(always)]
             fn is_zero(self) -> bool {
-                self.all_within(0.0)
+                Self::all_within([self], 0.0)
             }
 
             #[inline(always)]
-            fn sin_cos(self) -> (Self, Self) {
-                trigonometry::sin_cos(self)
+            fn sin_cos<const N: usize>(x: [Self; N]) -> [(Self, Self); N] {
+                trigonometry::sin_cos(x)
             }
 
             #[inline(always)]
-            fn load_transposed(from: &[f64], stride: usize, to: &mut [Self]) -> Self {
-                check_rows::<Self>($count, from, stride);
-                // SAFETY: row s begins at s * stride and its numbers are there (checked).
-                let columns = unsafe { rows::$transposed(|s| from.as_ptr().add(s * stride)) };
-                to[..$count].copy_from_slice(&columns);
+            fn load_transposed(
+                from: &[f64],
+                stride: usize,
+                blocks: usize,
+                mut put: impl FnMut(usize, &[Self]),
+            ) -> Self {
+                check_rows::<Self>(blocks.saturating_mul($count), from, stride);
                 let mut none = [Self::lift(0.0); 2];
-                for (k, column) in columns.into_iter().enumerate() {
-                    none[k % 2] = column.mul_add(Self::lift(0.0), none[k % 2]);
+                for block in 0..blocks {
+                    let row = |s| from.as_ptr().wrapping_add(s * stride + block * $count);
+                    // SAFETY: the rows have as many numbers as these blocks (checked).
+                    let columns = unsafe { rows::$transposed(row) };
+                    put(block, &columns);
+                    for (k, column) in columns.into_iter().enumerate() {
+                        none[k % 2] = column.mul_add(Self::lift(0.0), none[k % 2]);
+                    }
                 }
                 none[0] + none[1]
             }
@@ -359,12 +367,16 @@ lanes!(
 
 impl Quadrants for F64x8 {
     #[inline(always)]
-    fn all_within(self, bound: f64) -> bool {
-        // SAFETY: see the module.
-        unsafe {
-            let size = _mm512_abs_pd(self.0);
-            _mm512_cmp_pd_mask::<_CMP_LE_OQ>(size, _mm512_set1_pd(bound)) == 0xff
+    fn all_within<const N: usize>(x: [Self; N], bound: f64) -> bool {
+        let mut within = 0xff;
+        for x in x {
+            // SAFETY: see the module.
+            within &= unsafe {
+                let size = _mm512_abs_pd(x.0);
+                _mm512_cmp_pd_mask::<_CMP_LE_OQ>(size, _mm512_set1_pd(bound))
+            };
         }
+        within == 0xff
     }
 
     #[inline(always)]
@@ -391,11 +403,15 @@ impl Quadrants for F64x8 {
 
 impl Quadrants for F64x4 {
     #[inline(always)]
-    fn all_within(self, bound: f64) -> bool {
+    fn all_within<const N: usize>(x: [Self; N], bound: f64) -> bool {
         // SAFETY: see the module.
         unsafe {
-            let size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0);
-            let within = _mm256_cmp_pd::<_CMP_LE_OQ>(size, _mm256_set1_pd(bound));
+            let mut within = _mm256_castsi256_pd(_mm256_set1_epi64x(-1));
+            for x in x {
+                let size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), x.0);
+                let fits = _mm256_cmp_pd::<_CMP_LE_OQ>(size, _mm256_set1_pd(bound));
+                within = _mm256_and_pd(within, fits);
+            }
             _mm256_movemask_pd(within) == 0xf
         }
     }
