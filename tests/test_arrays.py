@@ -196,7 +196,7 @@ BAD_OUT: dict[str, tuple[Any, str]] = {
     "Fortran order": (np.zeros((N, n, C), order="F"), "is not C-contiguous"),
     "strided": (np.zeros((N, n, 2 * C))[..., ::2], "is not C-contiguous"),
     "reversed": (np.zeros((N, n, C))[::-1], "is not C-contiguous"),
-    "misaligned": (misaligned(np.zeros((N, n, C))), "is not C-contiguous"),
+    "misaligned": (misaligned(np.zeros((N, n, C))), "is not aligned"),
     "masked": (np.ma.zeros((N, n, C)), "is a MaskedArray, expected a NumPy array"),
     "rows first": (np.zeros((n, N, C)), r"has shape \(6, 5, 66\), expected \(5, 6, 66\)"),
     "W": (np.zeros((N * n, C)), r"has shape \(30, 66\), expected \(5, 6, 66\)"),

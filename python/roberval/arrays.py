@@ -105,8 +105,12 @@ def output(out: Array | None, shape: tuple[int, ...]) -> Array:
         raise ShapeError(f"out has shape {out.shape}, expected {shape}")
     if not out.flags.writeable:
         raise ArrayError("out is read-only")
-    if not out.flags.c_contiguous or not out.flags.aligned:
-        raise ArrayError("out is not C-contiguous: make it with numpy.empty(shape)")
+    for fits, what in (
+        (out.flags.c_contiguous, "C-contiguous"),
+        (out.flags.aligned, "aligned to 8 bytes"),
+    ):
+        if not fits:
+            raise ArrayError(f"out is not {what}: make it with numpy.empty(shape)")
     return out
 
 

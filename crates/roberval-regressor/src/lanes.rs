@@ -2,6 +2,7 @@
 
 use std::any::Any;
 use std::fmt;
+use std::marker::PhantomData;
 use std::mem;
 use std::sync::Mutex;
 
@@ -191,12 +192,18 @@ impl Task for Fill<'_> {
 
     #[inline(always)]
     fn run<V: Lanes>(self) -> Self::Output {
-        let past = self.writing.past_cache;
-        let result = self.tiles::<V>();
-        if past {
-            V::fence();
-        }
-        result
+        let _fence = self.writing.past_cache.then_some(Fence::<V>(PhantomData));
+        self.tiles::<V>()
+    }
+}
+
+/// Ends what was written past the cache, even where a panic ends the writing.
+struct Fence<V: Lanes>(PhantomData<V>);
+
+impl<V: Lanes> Drop for Fence<V> {
+    #[inline(always)]
+    fn drop(&mut self) {
+        V::fence();
     }
 }
 
@@ -254,10 +261,11 @@ fn write<V: Lanes>(
     let (slots, length) = form.sizes();
     let past = writing.past_cache && V::STREAMS;
     let whole = V::COUNT * length;
-    // Rows that are not written in their place at once: of short ones, and of part of a tile.
+    // Short rows and the last tile's, if it is not full, go through a buffer.
     let few = past && whole < FEW;
     let mut rows = mem::take(&mut work.rows);
-    if few || !out.len().is_multiple_of(whole.max(1)) {
+    let buffered = few || !out.len().is_multiple_of(whole);
+    if matches!(form, Form::Rows(_)) && buffered {
         rows.clear();
         rows.resize(whole, 0.0);
     }

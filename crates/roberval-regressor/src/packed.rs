@@ -5,7 +5,7 @@ use std::iter;
 use std::ops::Range;
 
 use roberval_mechanism::ParameterSpace;
-use roberval_scalar::Lanes;
+use roberval_scalar::{LINE, Lanes};
 
 use crate::past::write_past;
 use crate::{
@@ -286,7 +286,7 @@ impl<V: Lanes> Sink<V> for InPlace<'_> {
 #[inline(always)]
 fn clear(row: &mut [f64]) {
     // Hidden, or the loop becomes a call of memset.
-    let zeros = [std::hint::black_box(0.0); BLOCK];
+    let zeros = [std::hint::black_box(0.0); LINE];
     let aligned = row.as_ptr().align_offset(size_of_val(&zeros));
     let aligned = aligned.min(row.len());
     // The ends, wherever they are; between them whole lines.
@@ -297,7 +297,7 @@ fn clear(row: &mut [f64]) {
     if let Some(tail) = row.last_chunk_mut() {
         *tail = zeros;
     }
-    for line in row[aligned..].chunks_exact_mut(BLOCK) {
+    for line in row[aligned..].chunks_exact_mut(LINE) {
         line.copy_from_slice(&zeros);
     }
 }
@@ -311,15 +311,12 @@ pub(crate) struct Export {
     runs: Vec<[usize; 3]>,
     /// The place of each group of columns, if each stays together.
     places: Option<Vec<u32>>,
-    /// Pieces of `sources` that have a slot, as multiples of 8 numbers; the rest is zero.
+    /// Pieces of `sources` that have a slot, as multiples of [`LINE`] numbers; the rest is zero.
     filled: Vec<Range<usize>>,
     /// Number of slots, and numbers of a row.
     slots: usize,
     width: usize,
 }
-
-/// Numbers are exported in blocks of so many.
-const BLOCK: usize = roberval_scalar::MAX_LANES;
 
 impl Export {
     /// Rows of `width` numbers, column c at `place(c)`.
@@ -344,11 +341,11 @@ impl Export {
             }
         }
         let mut filled: Vec<Range<usize>> = Vec::new();
-        for (k, block) in sources.chunks(BLOCK).enumerate() {
+        for (k, block) in sources.chunks(LINE).enumerate() {
             if block.iter().all(|&source| source as usize == slots) {
                 continue;
             }
-            let (first, end) = (k * BLOCK, k * BLOCK + block.len());
+            let (first, end) = (k * LINE, k * LINE + block.len());
             match filled.last_mut() {
                 Some(range) if range.end == first => range.end = end,
                 _ => filled.push(first..end),
@@ -389,7 +386,8 @@ impl Export {
             let mut gaps = gaps.filter(|(start, end)| start < end);
             gaps.find_map(|(start, end)| {
                 let mut places = [first + start, first + end - 1].into_iter();
-                places.find(|&at| out[at] != 0.0)
+                // Not -0, either, which is not what would be written.
+                places.find(|&at| out[at].to_bits() != 0)
             })
         })
     }

@@ -2,13 +2,16 @@
 
 use std::ops::Range;
 
-use roberval_scalar::{LINE, Lanes};
+use roberval_scalar::{LINE, Lanes, MAX_LANES};
 
 /// Tiles of fewer numbers go through a buffer, which is faster: much of them is between whole
 /// lines (measured with rows of 6 to 400 numbers, 8 lanes and 4).
 pub(crate) const FEW: usize = 1280;
 
-/// Writes the samples of a full tile; `stage` has a zero after its slots. Lines without a
+// Rows of the others have a line at least, which is what `borders` takes for granted.
+const _: () = assert!(FEW >= LINE * MAX_LANES);
+
+/// Writes the samples of a full tile, whose rows have a line at least; `stage` has a zero after its slots. Lines without a
 /// source in these ranges are zero for every state: left alone if they are so already.
 #[inline(always)]
 pub(crate) fn write_past<V: Lanes>(
@@ -23,7 +26,7 @@ pub(crate) fn write_past<V: Lanes>(
     for range in filled {
         let blocks = range.start / LINE..range.end.div_ceil(LINE);
         if !cleared {
-            zeros::<V>(out, length, done..blocks.start.min(whole));
+            zeros::<V>(out, length, done..blocks.start);
         }
         done = blocks.end + 1;
         V::stream_transposed(stage, (sources, blocks), out, length);

@@ -156,7 +156,7 @@ fn a_sample_has_the_same_bits_alone_and_among_others() {
 
 #[test]
 fn rows_past_the_cache_and_between_zeros_are_the_same_wherever_they_begin() {
-    // From rows of less than a line to some megabytes a tile.
+    // From rows of a number to some thousands.
     for (seed, robot) in trees(16..=20)
         .chain(trees(40..=44))
         .chain(robots().take(36))
@@ -167,8 +167,10 @@ fn rows_past_the_cache_and_between_zeros_are_the_same_wherever_they_begin() {
             let regressor = Regressor::new(&robot).with_width(width);
             let model = Model::ALL[seed % 3];
             // Of the first link alone: a tile then ends with lines of zeros.
-            let first = regressor.columns(model, &Vec::from_iter(0..10));
-            for columns in [None, Some(&first)] {
+            let [few, first] = [1 + seed % 9, 10];
+            let [few, first] =
+                [few, first].map(|n| regressor.columns(model, &Vec::from_iter(0..n)));
+            for columns in [None, Some(&few), Some(&first)] {
                 let all = (samples, 0, Writing::default());
                 let expected = part(&regressor, model, columns, &batch, all);
                 for (past_cache, keep_zeros) in [(true, false), (true, true), (false, true)] {

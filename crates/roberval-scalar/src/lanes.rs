@@ -149,7 +149,8 @@ pub trait Lanes: Lift<f64> + Debug + Send + Sync + 'static {
         to.fill(0.0);
     }
 
-    /// Ends what was written past the cache, so that other threads see it.
+    /// Ends what was written past the cache: before that nobody may look at it, this thread no more
+    /// than others.
     fn fence() {}
 }
 

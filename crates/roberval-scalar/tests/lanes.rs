@@ -446,3 +446,48 @@ fn streams_write_every_number_and_no_other_at_any_alignment() {
         }
     }
 }
+
+/// Calls with slices that are too short, which must not be read or written.
+struct TooShort;
+
+impl Task for TooShort {
+    type Output = usize;
+
+    #[inline(always)]
+    fn run<V: Lanes>(self) -> usize {
+        let (numbers, mut out) = ([0.0; 64], [0.0; 64]);
+        let (stage, sources) = ([V::lift(1.0); 2], [0; 16]);
+        let mut refused = 0;
+        let mut refuses = |call: &mut dyn FnMut()| {
+            let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(call));
+            assert!(caught.is_err(), "{} lanes: call {refused}", V::COUNT);
+            refused += 1;
+        };
+        let blocks = 16 / V::COUNT;
+        for stride in [6, usize::MAX, usize::MAX / 2 + 1] {
+            // The last row of 16 numbers lacks one at least.
+            let rows = stride.saturating_mul(V::COUNT - 1);
+            let short = rows.saturating_add(15).min(out.len());
+            refuses(&mut || {
+                V::load_transposed(&numbers[..short], stride, blocks, |_, _| {});
+            });
+            refuses(&mut || V::store_transposed(&stage, &sources, &mut out[..short], stride));
+            refuses(&mut || {
+                V::stream_transposed(&stage, (&sources, 0..2), &mut out[..short], stride);
+            });
+        }
+        // A slot that is not there.
+        let sources = [[0; 15].as_slice(), &[2]].concat();
+        refuses(&mut || V::store_transposed(&stage, &sources, &mut out, 6));
+        refuses(&mut || V::stream_transposed(&stage, (&sources, 0..2), &mut out, 6));
+        refused
+    }
+}
+
+#[test]
+fn rows_and_slots_that_are_not_there_are_refused() {
+    let wide = widths().filter(|width| width.lanes() > 2);
+    for width in wide {
+        assert_eq!(dispatch(width, TooShort), 11, "{width:?}");
+    }
+}

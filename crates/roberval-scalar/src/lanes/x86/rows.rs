@@ -75,25 +75,11 @@ fn then8(a: F64x8, b: F64x8, count: usize) -> F64x8 {
 fn then4(a: F64x4, b: F64x4, count: usize) -> F64x4 {
     /// Added to the places of `b`: halves of numbers, as there is no such instruction for whole.
     const B: i32 = i32::MIN;
-    static PLACES: [i32; 16] = [
-        0,
-        1,
-        2,
-        3,
-        4,
-        5,
-        6,
-        7,
-        B,
-        B + 1,
-        B + 2,
-        B + 3,
-        B + 4,
-        B + 5,
-        B + 6,
-        B + 7,
+    static PLACES: [[i32; 8]; 2] = [
+        [0, 1, 2, 3, 4, 5, 6, 7],
+        [B, B + 1, B + 2, B + 3, B + 4, B + 5, B + 6, B + 7],
     ];
-    let places = &PLACES[8 - 2 * (count % 4)..][..8];
+    let places = &PLACES.as_flattened()[8 - 2 * (count % 4)..][..8];
     // SAFETY: there are 8 places; for the instructions see the module above.
     unsafe {
         let places = _mm256_loadu_si256(places.as_ptr().cast());
@@ -186,8 +172,11 @@ macro_rules! rows {
                         let of = |parts: &[[$name; $count]; PARTS]| parts.map(|part| part[s]);
                         for (part, numbers) in $line(of(before), of(now), shift).iter().enumerate()
                         {
+                            // Row 0 may begin where its line 0 does not: no pointer arithmetic
+                            // within an object.
+                            let at = row.wrapping_add(LINE * line + $count * part);
                             // SAFETY: the line is aligned, and within its row (the caller's).
-                            unsafe { $stream(row.add(LINE * line + $count * part), numbers.0) }
+                            unsafe { $stream(at, numbers.0) }
                         }
                     }
                 };
