@@ -293,17 +293,19 @@ def factors(name: str, rv: Any, robot: Any, base: Any, cpp: Peers) -> None:
 
 
 def scalar_path(robots: dict[str, Any]) -> None:
-    """Print ns a sample of the scalar path, state after state: run with ROBERVAL_LANES=1.
+    """Print ns a sample of the scalar path, state after state, and with zeros kept.
 
-    The rows stay in the cache, as those of the C++ loop, which writes the same ones anew.
+    Run with ROBERVAL_LANES=1. The rows stay in the cache, as those of the C++ loop, which writes
+    the same ones anew.
     """
     for robot in robots.values():
         size = robot.n * len(robot.parameters)
         states = samples(robot.n, min(64, CACHED // (8 * size)))
         count = states.shape[1]
         out = np.zeros((count, robot.n, len(robot.parameters)))
-        task = partial(robot.regressor, *states, out=out, threads=1)
-        print(best(task) / count * 1e9)
+        for kept in (False, True):
+            task = partial(robot.regressor, *states, out=out, threads=1, keep_zeros=kept)
+            print(best(task) / count * 1e9)
 
 
 def main() -> int:
@@ -341,7 +343,8 @@ def main() -> int:
             text=True,
             check=True,
         )
-        alone = dict(zip(robots, map(float, scalar.stdout.split()), strict=True))
+        times = iter(map(float, scalar.stdout.split()))
+        alone = dict(zip(robots, zip(times, times, strict=True), strict=True))
         titles = f"{'roberval':>9} {'theirs':>9} {'times':>7} asked; ns a sample"
         print(f"{'robot':7} {'task':30} {titles}")
         for name, robot in robots.items():
@@ -352,7 +355,9 @@ def main() -> int:
             base = robot.base_parameters()
             regressors(name, robot, base, cpp)
             in_memory(name, robot, cpp)
-            row(name, "one state, scalar path", alone[name], cpp.regressor, (5, 5))
+            whole, kept = alone[name]
+            row(name, "one state, scalar path", whole, cpp.regressor, (5, 5))
+            row(name, "one state, zeros kept", kept, cpp.regressor, (5, 5))
             factors(name, rv, robot, base, cpp)
             after = printed(binary, path)
             print(f"{name:7} C++ again afterwards: {after[0]:.1f} and {after[1]:.1f} ns")

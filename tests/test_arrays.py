@@ -330,11 +330,21 @@ def test_zeros_to_keep_that_are_none_are_refused_before_anything_is_written(
         assert (shared == 3).all()
 
 
-def test_a_single_state_is_written_whole_whatever_out_has(puma: rv.Robot) -> None:
-    q, qd, qdd = (array[0] for array in random_states(puma, 1))
-    out = np.full((n, C), 3.0)
-    puma.regressor(q, qd, qdd, out=out, keep_zeros=True)
-    np.testing.assert_array_equal(out, puma.regressor(q, qd, qdd))
+def test_a_single_state_keeps_zeros_too(puma: rv.Robot) -> None:
+    one, other = ([array[k] for array in random_states(puma, 2)] for k in range(2))
+    expected = puma.regressor(*one)
+    for out in (np.zeros((n, C)), puma.regressor(*other)):
+        puma.regressor(*one, out=out, keep_zeros=True)
+        np.testing.assert_array_equal(out, expected)
+    wrong = np.full((n, C), 3.0)
+    with pytest.raises(rv.ArrayError, match=r"^out has 3 in row \d+, column \d+ of sample 0, "):
+        puma.regressor(*one, out=wrong, keep_zeros=True)
+    assert (wrong == 3).all()
+
+
+def test_minus_zero_is_no_zero_to_keep(puma: rv.Robot, states: States) -> None:
+    with pytest.raises(rv.ArrayError, match="out has -0 in row"):
+        puma.regressor(*states, out=-np.zeros((len(states[0]), n, C)), keep_zeros=True)
 
 
 def test_keep_zeros_is_a_bool_and_needs_out(puma: rv.Robot, states: States) -> None:

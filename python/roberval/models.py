@@ -58,8 +58,7 @@ class Models(Description):
             array from an earlier call for the same robot, columns and model (d0 counts as d), or
             from ``numpy.zeros``. W of large trees takes half the time in the cache and two thirds
             in memory; arms gain little. Some zeros of the first and the last state are checked
-            before anything is written; where others are none, the rows are wrong. Single states
-            are written whole.
+            before anything is written; where others are none, the rows are wrong.
 
         Returns
         -------

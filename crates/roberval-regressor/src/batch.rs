@@ -72,8 +72,8 @@ pub struct Writing {
     /// Past the cache, where they would not stay anyway.
     pub past_cache: bool,
     /// Leave alone what is zero in every state: it is zero already, from earlier rows of the
-    /// same columns or from the beginning: see [`Regressor::check_zeros`]. Single states, and
-    /// what is not computed in lanes, are written whole.
+    /// same columns or from the beginning: see [`Regressor::check_zeros`]. Without lanes all is
+    /// written.
     pub keep_zeros: bool,
 }
 
@@ -386,7 +386,7 @@ impl Regressor {
     }
 
     /// Whether `out` has zeros to keep, before a batch is written: a look at both ends of each
-    /// gap between the numbers of its first and its last sample. Single states need none.
+    /// gap between the numbers of its first and its last sample.
     ///
     /// # Errors
     /// [`RegressorError::NotZero`] names the first number among them.
@@ -397,7 +397,7 @@ impl Regressor {
         out: &[f64],
     ) -> Result<(), RegressorError> {
         let export = self.export(model, columns);
-        if !self.in_lanes() || out.len() <= export.len() {
+        if !self.in_lanes() {
             return Ok(());
         }
         let Some(at) = export.not_zero(out) else {

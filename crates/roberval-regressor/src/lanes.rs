@@ -217,15 +217,19 @@ impl Fill<'_> {
             None => Box::new(Work::new(robot)),
         };
         let (_, length) = self.form.sizes();
-        let mut writing = self.writing;
-        // Single states are cleared in no time.
-        writing.keep_zeros &= V::COUNT > 1;
         let mut expanded = mem::take(&mut work.expanded);
         let whole = stretch(robot, self.out.len(), length);
         for (k, out) in self.out.chunks_mut(whole).enumerate() {
             let still = model == Model::D0;
             let states = robot.states(self.states, k, still, &mut expanded)?;
-            write(robot, model, &states, &mut work, (self.form, writing), out)?;
+            write(
+                robot,
+                model,
+                &states,
+                &mut work,
+                (self.form, self.writing),
+                out,
+            )?;
         }
         work.expanded = expanded;
         self.pool.give(work);
@@ -254,8 +258,13 @@ fn write<V: Lanes>(
     if let (1, Form::Rows(export)) = (V::COUNT, form)
         && let Some(places) = export.places()
     {
-        let rows = out.chunks_exact_mut(export.len());
-        return in_place((robot, places), model, states, work, rows);
+        for (sample, rows) in out.chunks_exact_mut(export.len()).enumerate() {
+            // Each number where it belongs at once.
+            export.clear(rows, writing.keep_zeros);
+            let mut sink = InPlace::new(places, rows);
+            work.run(robot.tree, model, states, sample, &mut sink)?;
+        }
+        return Ok(());
     }
     let projection = robot.projection.filter(|_| model != Model::H);
     let (slots, length) = form.sizes();
@@ -280,7 +289,9 @@ fn write<V: Lanes>(
         match form {
             Form::Packed(_) if at_once => (),
             Form::Packed(_) => copy::<V>(&V::numbers(stage)[..out.len()], out, past),
-            Form::Rows(export) if V::COUNT == 1 => export.write_one(V::numbers(stage), out),
+            Form::Rows(export) if V::COUNT == 1 => {
+                export.write_one(V::numbers(stage), out, writing.keep_zeros);
+            }
             Form::Rows(export) if few || out.len() < whole => {
                 export.write(stage, &mut rows, true);
                 copy::<V>(&rows[..out.len()], out, past);
@@ -345,22 +356,6 @@ impl<'a, V: Lanes> Stage<'a, V> {
     fn give(self, work: &mut Work<V>) {
         (work.stage, work.projected) = (self.tree, self.rows);
     }
-}
-
-/// Sample after sample, each number where it belongs at once.
-#[inline(always)]
-fn in_place<'o, V: Lanes>(
-    (robot, places): (Robot<'_>, &[u32]),
-    model: Model,
-    states: &TreeStates<'_>,
-    work: &mut Work<V>,
-    rows: impl Iterator<Item = &'o mut [f64]>,
-) -> Result<(), Fault> {
-    for (sample, rows) in rows.enumerate() {
-        let mut sink = InPlace::new(places, rows);
-        work.run(robot.tree, model, states, sample, &mut sink)?;
-    }
-    Ok(())
 }
 
 /// Makes room for so many slots and a zero after them.

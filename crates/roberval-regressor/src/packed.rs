@@ -249,10 +249,9 @@ pub(crate) struct InPlace<'a> {
 }
 
 impl<'a> InPlace<'a> {
-    /// Zeros what has no slot.
+    /// What has no slot is zero already.
     #[inline(always)]
     pub(crate) fn new(places: &'a [u32], row: &'a mut [f64]) -> Self {
-        clear(row);
         Self {
             places: places.iter(),
             row,
@@ -378,7 +377,7 @@ impl Export {
     pub(crate) fn not_zero(&self, out: &[f64]) -> Option<usize> {
         let length = self.len();
         let last = out.len().checked_div(length)?.checked_sub(1)?;
-        [0, last].into_iter().find_map(|sample| {
+        (0..=last).step_by(last.max(1)).find_map(|sample| {
             let first = sample * length;
             let ends = self.filled.iter().map(|range| range.end);
             let starts = self.filled.iter().map(|range| range.start);
@@ -402,10 +401,21 @@ impl Export {
         self.slots
     }
 
+    /// Zeros a single sample, or what of it is not zero in every state.
+    #[inline(always)]
+    pub(crate) fn clear(&self, out: &mut [f64], cleared: bool) {
+        if !cleared {
+            return clear(out);
+        }
+        for range in &self.filled {
+            clear(&mut out[range.clone()]);
+        }
+    }
+
     /// Writes a single sample from its packed numbers.
     #[inline(always)]
-    pub(crate) fn write_one(&self, numbers: &[f64], out: &mut [f64]) {
-        clear(out);
+    pub(crate) fn write_one(&self, numbers: &[f64], out: &mut [f64], cleared: bool) {
+        self.clear(out, cleared);
         for &[slot, at, count] in &self.runs {
             let (from, to) = (&numbers[slot..slot + count], &mut out[at..at + count]);
             for (from, to) in from.iter().zip(to) {

@@ -234,7 +234,7 @@ fn zeros_to_keep_that_are_none_are_named() {
                         assert!(at >= from && rows[at] == 0.0 && value == 7.0);
                         named += 1;
                     }
-                    // Zeros beside numbers are written with them, and all of single states.
+                    // Zeros beside numbers are written with them.
                     other => {
                         let writing = Writing {
                             past_cache: seed % 2 == 0,
