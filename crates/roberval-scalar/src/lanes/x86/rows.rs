@@ -172,8 +172,8 @@ macro_rules! rows {
                         let of = |parts: &[[$name; $count]; PARTS]| parts.map(|part| part[s]);
                         for (part, numbers) in $line(of(before), of(now), shift).iter().enumerate()
                         {
-                            // Row 0 may begin where its line 0 does not: no pointer arithmetic
-                            // within an object.
+                            // Line 0 of row 0 may begin before the array, where `add` is
+                            // undefined.
                             let at = row.wrapping_add(LINE * line + $count * part);
                             // SAFETY: the line is aligned, and within its row (the caller's).
                             unsafe { $stream(at, numbers.0) }
