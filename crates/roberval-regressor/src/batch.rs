@@ -486,6 +486,8 @@ impl Regressor {
 
     /// The torques Gamma = d X of the standard parameters `x` (C numbers): N x n.
     ///
+    /// Lanes carry forces inward, as Newton and Euler do; without lanes they are the rows times X.
+    ///
     /// # Errors
     /// [`RegressorError`] if an array has the wrong length or a state is not finite.
     pub fn torques(

@@ -191,7 +191,7 @@ fn step<C: Copy, T: Lift<C>>(
 
 /// Velocities and accelerations from the antecedent's (Newton-Euler, outward).
 #[inline(always)]
-fn forward<C: Copy, T: Lift<C>>(
+pub(crate) fn forward<C: Copy, T: Lift<C>>(
     frame: &impl Frame<T>,
     tree: &Tree<C>,
     joint: JointKind,

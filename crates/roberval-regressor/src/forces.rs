@@ -1,10 +1,10 @@
 //! The inertia forces of a body and their power along the joints of its path: the columns.
 
-use roberval_scalar::Scalar;
+use roberval_scalar::{Lift, Scalar};
 
 use crate::dynamics::BodyState;
-use crate::layout::usual;
-use crate::vector::{Mat3, Vec3, dot};
+use crate::layout::{ordered, usual};
+use crate::vector::{Mat3, Vec3, add, apply, dot, lift3, scale};
 use crate::workspace::Screw;
 
 /// All three components of a vector.
@@ -214,6 +214,86 @@ impl<T: Scalar> Forces<T> {
             first,
             mass: zero,
         }
+    }
+}
+
+/// The parameters of a body with its axes in another order: see [`Columns::in_order`].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Inertia {
+    /// XX, YY and ZZ.
+    squares: Vec3<f64>,
+    /// ZZ - YY, XX - ZZ and YY - XX.
+    differences: Vec3<f64>,
+    /// YZ, XZ and XY.
+    mixed: Vec3<f64>,
+    /// MX, MY and MZ.
+    first: Vec3<f64>,
+    mass: f64,
+    /// Ia.
+    pub rotor: f64,
+}
+
+impl Inertia {
+    /// That of no mass.
+    pub(crate) const NONE: Self = Self {
+        squares: [0.0; 3],
+        differences: [0.0; 3],
+        mixed: [0.0; 3],
+        first: [0.0; 3],
+        mass: 0.0,
+        rotor: 0.0,
+    };
+
+    /// From a body's columns XX to M, and Ia if it has one.
+    pub(crate) fn new(x: &[f64], order: usize) -> Self {
+        let squares = ordered(&[x[0], x[3], x[5]], order);
+        let [xx, yy, zz] = squares;
+        Self {
+            squares,
+            differences: [zz - yy, xx - zz, yy - xx],
+            mixed: ordered(&[x[4], x[2], x[1]], order),
+            first: ordered(&[x[6], x[7], x[8]], order),
+            mass: x[9],
+            rotor: x.get(10).copied().unwrap_or(0.0),
+        }
+    }
+}
+
+/// A force and its moment about the origin of the frame they are given in.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Wrench<T> {
+    pub f: Vec3<T>,
+    pub n: Vec3<T>,
+}
+
+impl<T: Lift<f64>> Forces<T> {
+    /// What a body of this inertia takes: `f = M a + U ms`, `n = J dw + w x J w + ms x a`.
+    #[inline(always)]
+    pub(crate) fn wrench(&self, inertia: &Inertia) -> Wrench<T> {
+        let (mass, ms) = (T::lift(inertia.mass), lift3(&inertia.first));
+        Wrench {
+            f: add(scale(self.a, mass), apply(&self.u, ms)),
+            n: [
+                self.moment(0, inertia),
+                self.moment(1, inertia),
+                self.moment(2, inertia),
+            ],
+        }
+    }
+
+    /// The moment about axis i, after which come j and k.
+    #[inline(always)]
+    pub(crate) fn moment(&self, i: usize, inertia: &Inertia) -> T {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        let Self { dw, a, u, .. } = self;
+        let Inertia { mixed, first, .. } = inertia;
+        let n = T::lift(inertia.squares[i]) * dw[i];
+        let n = T::lift(inertia.differences[i]).mul_add(self.products[i], n);
+        let n = T::lift(mixed[i]).mul_add(self.differences[i], n);
+        let n = T::lift(mixed[j]).mul_add(u[j][i], n);
+        let n = T::lift(mixed[k]).neg_mul_add(u[k][i], n);
+        let n = T::lift(first[j]).mul_add(a[k], n);
+        T::lift(first[k]).neg_mul_add(a[j], n)
     }
 }
 

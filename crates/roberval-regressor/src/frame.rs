@@ -4,7 +4,7 @@
 use roberval_mechanism::JointKind;
 use roberval_scalar::{Lift, Scalar};
 
-use crate::forces::acceleration_field;
+use crate::forces::{Wrench, acceleration_field};
 use crate::layout::{Layout, ordered, usual};
 use crate::vector::{
     Mat3, Vec3, add, apply, apply_transposed, cross, dot, lift3, lift9, negative, product, scale,
@@ -123,6 +123,10 @@ pub(crate) trait Frame<T: Scalar> {
     fn along_axis(&self, v: Vec3<T>, s: T) -> Vec3<T>;
     /// `v + s (w x axis)`
     fn across_axis(&self, v: Vec3<T>, w: Vec3<T>, s: T) -> Vec3<T>;
+    /// What v has along the joint's axis.
+    fn on_axis(&self, v: Vec3<T>) -> T;
+    /// The wrench on the antecedent, about its origin, with its axes in its own order.
+    fn inward(&self, wrench: Wrench<T>) -> Wrench<T>;
     /// Whether the antecedent's joint has an axis at right angles to the joint's.
     fn is_near(&self) -> bool;
     /// Its screw: e in this frame and the origin's velocity.
@@ -208,6 +212,21 @@ impl<T: Scalar> Frame<T> for General<T> {
             a[1].mul_add(s, v[1]),
             a[2].mul_add(s, v[2]),
         ]
+    }
+
+    #[inline(always)]
+    fn on_axis(&self, v: Vec3<T>) -> T {
+        dot(self.axis, v)
+    }
+
+    #[inline(always)]
+    fn inward(&self, Wrench { f, n }: Wrench<T>) -> Wrench<T> {
+        let (f, n) = (apply(&self.rotation, f), apply(&self.rotation, n));
+        let n = add(n, cross(self.origin, f));
+        Wrench {
+            f: ordered(&f, self.order),
+            n: ordered(&n, self.order),
+        }
     }
 
     #[inline(always)]
@@ -340,6 +359,18 @@ impl<'a, T: Scalar, const FRAME: u8> Right<'a, T, FRAME> {
         }
     }
 
+    /// R v
+    #[inline(always)]
+    fn turn_back(&self, v: Vec3<T>) -> Vec3<T> {
+        let (c, s) = (self.c, self.s);
+        if Self::FLIP {
+            // R is symmetric.
+            return self.turn(v);
+        }
+        let y = v[0].mul_add(s, c * v[1]);
+        [v[1].neg_mul_add(s, c * v[0]), y, v[2]]
+    }
+
     /// Whether p has component k.
     #[inline(always)]
     fn has(k: u8) -> bool {
@@ -419,6 +450,30 @@ impl<T: Scalar, const FRAME: u8> Frame<T> for Right<'_, T, FRAME> {
     #[inline(always)]
     fn along_axis(&self, v: Vec3<T>, s: T) -> Vec3<T> {
         [v[0], v[1], v[2] + s]
+    }
+
+    #[inline(always)]
+    fn on_axis(&self, v: Vec3<T>) -> T {
+        if self.placing.reversed { -v[2] } else { v[2] }
+    }
+
+    #[inline(always)]
+    fn inward(&self, Wrench { f, n }: Wrench<T>) -> Wrench<T> {
+        let (f, mut n, p) = (self.turn_back(f), self.turn_back(n), self.p);
+        if Self::has(0) {
+            n[1] = f[2].neg_mul_add(p[0], n[1]);
+            n[2] = f[1].mul_add(p[0], n[2]);
+        }
+        if Self::has(1) {
+            n[2] = f[0].neg_mul_add(p[1], n[2]);
+            n[0] = f[2].mul_add(p[1], n[0]);
+        }
+        if Self::has(2) {
+            n[0] = f[1].neg_mul_add(p[2], n[0]);
+            n[1] = f[0].mul_add(p[2], n[1]);
+        }
+        let [f, n] = [f, n].map(|v| usual(&v, (Self::ONTO + 2) % 3));
+        Wrench { f, n }
     }
 
     #[inline(always)]

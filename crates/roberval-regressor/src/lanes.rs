@@ -9,13 +9,14 @@ use std::sync::Mutex;
 use roberval_mechanism::ParameterSpace;
 use roberval_scalar::{Lanes, MAX_LANES, Task};
 
+use crate::inverse_dynamics::{Load, inverse_dynamics, set_inertias};
 use crate::packed::{Export, InPlace, Packed, Projection};
 use crate::past::{FEW, copy};
 use crate::tile::Tile;
 use crate::tree_states::{Expanded, TreeStates};
 use crate::{
-    DynamicsWorkspace, EnergyWorkspace, Expansion, Model, NoValue, Sink, States, Torques, Tree,
-    Writing, dynamics, energy,
+    DynamicsWorkspace, EnergyWorkspace, Expansion, Model, NoValue, Sink, States, Tree, Writing,
+    dynamics, energy,
 };
 
 /// Why a batch has no rows.
@@ -67,6 +68,8 @@ pub(crate) struct Work<V> {
     /// The packed numbers of a tile and a zero: of all joints, and of the independent ones.
     stage: Vec<V>,
     projected: Vec<V>,
+    /// The bodies' loads, for torques.
+    loads: Vec<Load<V>>,
     /// The rows of a tile that is not full, and of those that are short.
     rows: Vec<f64>,
     /// States of a stretch of samples.
@@ -83,6 +86,7 @@ impl<V: Lanes> Work<V> {
             energy: EnergyWorkspace::new(tree),
             stage: Vec::new(),
             projected: Vec::new(),
+            loads: Vec::new(),
             rows: Vec::new(),
             expanded: Expanded::default(),
         }
@@ -104,9 +108,7 @@ impl<V: Lanes> Work<V> {
         first: usize,
         sink: &mut impl Sink<V>,
     ) -> Result<(), Fault> {
-        if !self.tile.load(tree, model, states, first) {
-            return Err(Fault::Tile(first));
-        }
+        self.load(tree, model, states, first)?;
         match model {
             Model::D | Model::D0 => {
                 if let Some(base) = &self.tile.base {
@@ -121,6 +123,39 @@ impl<V: Lanes> Work<V> {
                 energy(tree, self.tile.motion(), &mut self.energy, sink);
             }
         }
+        Ok(())
+    }
+
+    /// Loads the tile that begins with this sample.
+    #[inline(always)]
+    fn load(
+        &mut self,
+        tree: &Tree<f64>,
+        model: Model,
+        states: &TreeStates<'_>,
+        first: usize,
+    ) -> Result<(), Fault> {
+        match self.tile.load(tree, model, states, first) {
+            true => Ok(()),
+            false => Err(Fault::Tile(first)),
+        }
+    }
+
+    /// Torques of all joints in the tile that begins with this sample.
+    #[inline(always)]
+    fn torques(
+        &mut self,
+        tree: &Tree<f64>,
+        states: &TreeStates<'_>,
+        first: usize,
+        torques: &mut [V],
+    ) -> Result<(), Fault> {
+        self.load(tree, Model::D, states, first)?;
+        if let Some(base) = &self.tile.base {
+            self.dynamics.move_base(tree, base);
+        }
+        let (workspace, loads) = (&mut self.dynamics, &mut self.loads);
+        inverse_dynamics(tree, self.tile.motion(), workspace, loads, torques);
         Ok(())
     }
 }
@@ -364,7 +399,7 @@ fn with_zero<V: Lanes>(slots: &mut Vec<V>, count: usize) {
     slots[count] = V::lift(0.0);
 }
 
-/// Torques of all samples: the rows times X.
+/// Torques of all samples.
 pub(crate) struct FillTorques<'a> {
     pub pool: &'a Pool,
     pub robot: Robot<'a>,
@@ -386,12 +421,12 @@ impl Task for FillTorques<'_> {
             Some(work) => work,
             None => Box::new(Work::new(robot)),
         };
-        let data = (self.space, self.x);
+        set_inertias(&mut work.loads, &work.dynamics, (self.space, self.x));
         let mut expanded = mem::take(&mut work.expanded);
         let whole = stretch(robot, self.out.len(), m);
         for (k, out) in self.out.chunks_mut(whole).enumerate() {
             let states = robot.states(self.states, k, false, &mut expanded)?;
-            torques(robot, m, &states, &mut work, data, out)?;
+            torques(robot, m, &states, &mut work, out)?;
         }
         work.expanded = expanded;
         self.pool.give(work);
@@ -406,7 +441,6 @@ fn torques<V: Lanes>(
     m: usize,
     states: &TreeStates<'_>,
     work: &mut Work<V>,
-    (space, x): (&ParameterSpace, &[f64]),
     out: &mut [f64],
 ) -> Result<(), Fault> {
     let n = robot.tree.dof;
@@ -415,10 +449,7 @@ fn torques<V: Lanes>(
     of_joints.resize(n.max(of_joints.len()), zero);
     of_rows.resize(m.max(of_rows.len()), zero);
     for (tile, out) in out.chunks_mut(V::COUNT * m).enumerate() {
-        of_joints[..n].fill(zero);
-        let torques = &mut of_joints[..n];
-        let mut sink = Torques { space, x, torques };
-        work.run(robot.tree, Model::D, states, tile * V::COUNT, &mut sink)?;
+        work.torques(robot.tree, states, tile * V::COUNT, &mut of_joints[..n])?;
         let torques = match robot.projection {
             None => &of_joints[..n],
             Some(projection) => {

@@ -19,6 +19,7 @@ mod expansion;
 mod forces;
 mod formulas;
 mod frame;
+mod inverse_dynamics;
 mod lanes;
 mod layout;
 mod loops;

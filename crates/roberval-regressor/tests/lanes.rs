@@ -65,6 +65,17 @@ impl Batch {
         let [q, qd, qdd] = &self.arrays;
         States { q, qd, qdd }
     }
+
+    /// One of so many samples.
+    fn one(&self, sample: usize, samples: usize) -> Self {
+        let one = |array: &Vec<f64>| {
+            let width = array.len() / samples;
+            array[sample * width..][..width].to_vec()
+        };
+        Self {
+            arrays: self.arrays.each_ref().map(one),
+        }
+    }
 }
 
 fn rows(regressor: &Regressor, model: Model, batch: &Batch, samples: usize) -> Vec<f64> {
@@ -135,6 +146,31 @@ fn torques_are_the_rows_times_x() {
 }
 
 #[test]
+fn torques_have_the_same_bits_in_lanes_of_every_width_and_alone() {
+    for (seed, robot) in robots().enumerate().take(40) {
+        let samples = SAMPLES[seed % SAMPLES.len()];
+        let batch = Batch::random(&robot, samples, seed as u64);
+        let x = robot.standard_parameters().expect("generated with values");
+        let torques = |width: Width, batch: &Batch, samples: usize| {
+            let regressor = Regressor::new(&robot).with_width(width);
+            let mut torques = vec![f64::NAN; samples * regressor.independent()];
+            regressor
+                .torques(&x, batch.states(), &mut torques)
+                .expect("valid");
+            torques
+        };
+        let expected = torques(Width::One, &batch, samples);
+        for width in widths() {
+            let all = torques(width, &batch, samples);
+            assert!(same(&all, &expected), "robot {seed}, {width:?}");
+            let alone = (0..samples).flat_map(|k| torques(width, &batch.one(k, samples), 1));
+            let alone: Vec<f64> = alone.collect();
+            assert!(same(&alone, &expected), "robot {seed}, {width:?}, alone");
+        }
+    }
+}
+
+#[test]
 fn a_sample_has_the_same_bits_alone_and_among_others() {
     for (seed, robot) in robots().enumerate().take(20) {
         let samples = 11;
@@ -142,13 +178,7 @@ fn a_sample_has_the_same_bits_alone_and_among_others() {
         let regressor = Regressor::new(&robot);
         let all = rows(&regressor, Model::D, &batch, samples);
         for sample in 0..samples {
-            let alone = Batch {
-                arrays: batch.arrays.clone().map(|a| {
-                    let width = a.len() / samples;
-                    a[sample * width..][..width].to_vec()
-                }),
-            };
-            let one = rows(&regressor, Model::D, &alone, 1);
+            let one = rows(&regressor, Model::D, &batch.one(sample, samples), 1);
             assert!(same(&one, &all[sample * one.len()..][..one.len()]));
         }
     }
