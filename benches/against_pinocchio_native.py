@@ -5,10 +5,11 @@
 
 `--install` first installs what roberval is measured against from PyPI, into the same environment:
 best a virtual one. The C++ loop (`pinocchio_loop.cpp`) is compiled for this processor against the
-headers of Pinocchio's wheel; without a compiler or headers the script says so and ends. roberval
-is called from Python, with `out=` arrays. CPU time is counted, a calibration around each
-measurement drops rounds in which the core was not all ours, and C++ runs before and after. Trust
-the ratios.
+headers of Pinocchio's wheel; without a compiler or headers the script says so and ends. It writes
+every sample's result over the one before: the targets are measured against that. "C++ that stores
+W" copies each one behind the one before: that is a W, as roberval's. roberval is called from
+Python, with `out=` arrays. CPU time is counted, a calibration around each measurement drops
+rounds in which the core was not all ours, and C++ runs before and after. Trust the ratios.
 
 The targets are those of issue 5 for AVX-512. For AVX2 on such a processor (other targets):
 
@@ -64,6 +65,10 @@ class Peers:
 
     regressor: float
     rnea: float
+    cached: float
+    """The regressor, each result copied behind the one before, in the cache."""
+    stored: float
+    """The same in memory."""
     binary: Path
 
 
@@ -159,7 +164,7 @@ def row(
     asked = "" if target is None else target[0 if WIDE else 1]
     missed = " missed" if asked and theirs / ours < float(asked) else ""
     print(
-        f"{name:7} {task:30} {ours:9.1f} {theirs:9.1f} {theirs / ours:7.1f} {asked:>5}{missed}",
+        f"{name:7} {task:33} {ours:9.1f} {theirs:9.1f} {theirs / ours:7.1f} {asked:>5}{missed}",
         flush=True,
     )
 
@@ -183,9 +188,11 @@ def regressors(name: str, robot: Any, base: Any, cpp: Peers) -> None:
     row(name, "base columns (N, n, b), in cache", times, cpp.regressor, None)
     times = ns(robot.regressor, n * c)
     row(name, "W, in cache", times, cpp.regressor, (12, 12))
+    row(name, "W, in cache / C++ that stores W", times, cpp.cached, None)
     row(name, "W, in cache / Python loop", times, loop, (30, 30))
     times = ns(robot.regressor, n * c, keep_zeros=True)
     row(name, "W, zeros kept, in cache", times, cpp.regressor, (12, 12))
+    row(name, "W, zeros kept / C++ that stores W", times, cpp.cached, None)
     row(name, "W, zeros kept / Python loop", times, loop, (30, 30))
     times = ns(robot.torques, 192, X)  # of 512 samples
     row(name, "torques / rnea", times, cpp.rnea, (10, 10))
@@ -203,15 +210,17 @@ def in_memory(name: str, robot: Any, cpp: Peers) -> None:
     evaluate = partial(robot.regressor, *large, out=memory, threads=1)
     times = best(evaluate) / count * 1e9
     row(name, "W, in memory", times, cpp.regressor, (8, 8))
+    row(name, "W, in memory / C++ that stores W", times, cpp.stored, None)
     stores, zeros = map(max, zip(*(printed(cpp.binary) for _ in range(3)), strict=True))
     lines = memory.ravel()[-memory.ctypes.data // 8 % 8 :][: 8 * LARGE].reshape(-1, 8)
     empty = 1 - np.mean(lines.any(axis=1))
     share = 8 * n * c * (empty / zeros + (1 - empty) / stores) / times
     missed = "" if share >= 0.6 else " missed"
     rate = f"of {stores:.0f} GB/s, zeros {zeros:.0f}"
-    print(f"{name:7} {rate:30} {share:27.0%}   60%{missed}", flush=True)
+    print(f"{name:7} {rate:33} {share:27.0%}   60%{missed}", flush=True)
     times = best(partial(evaluate, keep_zeros=True)) / count * 1e9
     row(name, "W, zeros kept, in memory", times, cpp.regressor, (8, 8))
+    row(name, "the same / C++ that stores W", times, cpp.stored, None)
 
 
 def samples(n: int, count: int) -> Any:
@@ -287,7 +296,7 @@ def factors(name: str, rv: Any, robot: Any, base: Any, cpp: Peers) -> None:
         rate = 1e3 / times
         missed = " missed" if rate < target else ""
         print(
-            f"{name:7} data to R{what:21} {rate:9.2f} M samples/s {target or '':>11}{missed}",
+            f"{name:7} data to R{what:24} {rate:9.2f} M samples/s {target or '':>11}{missed}",
             flush=True,
         )
 
@@ -346,7 +355,7 @@ def main() -> int:
         times = iter(map(float, scalar.stdout.split()))
         alone = dict(zip(robots, zip(times, times, strict=True), strict=True))
         titles = f"{'roberval':>9} {'theirs':>9} {'times':>7} asked; ns a sample"
-        print(f"{'robot':7} {'task':30} {titles}")
+        print(f"{'robot':7} {'task':33} {titles}")
         for name, robot in robots.items():
             path = Path(binary.parent, name)
             path.write_text(described(robot))

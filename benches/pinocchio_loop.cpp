@@ -4,8 +4,10 @@
 // Compiled against the headers alone: linking with the library of the wheel would mix two
 // alignments of Eigen (this is built for the processor at hand, the library is not).
 // Arguments: files with n and, a joint a line, its antecedent (from 0, -1 is the base), axis,
-// rotation (row by row) and translation. Prints ns per call: regressor, rnea. Without a file:
-// the rate of stores past the cache, GB/s: of numbers, and of lines of zeros.
+// rotation (row by row) and translation. Prints ns per call: regressor, rnea, and regressor with
+// each result copied behind the one before, as Pinocchio has it (columns first), in the cache
+// and in memory. Without a file: the rate of stores past the cache, GB/s: of numbers, and of
+// lines of zeros.
 #include <pinocchio/algorithm/regressor.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
 #include <pinocchio/multibody.hpp>
@@ -79,18 +81,43 @@ static double stores(bool zeros) {
   return best;
 }
 
+struct States {
+  std::vector<Eigen::VectorXd> q, v, a;
+  States(const Model &model, int count) {
+    for (int i = 0; i < count; i++) {
+      q.push_back(Eigen::VectorXd::Random(model.nq));
+      v.push_back(Eigen::VectorXd::Random(model.nv));
+      a.push_back(Eigen::VectorXd::Random(model.nv));
+    }
+  }
+};
+
+// Stores W of as many samples as so many bytes hold, and at most 100 000, the best of some rounds.
+static double filling(const Model &model, Data &data, const States &at, size_t bytes, int rounds) {
+  const auto &row = data.jointTorqueRegressor;
+  const size_t samples = std::min(size_t(100000), bytes / (8 * row.size())), count = at.q.size();
+  std::vector<double> W(samples * row.size(), 1.0);
+  double best = 1e18;
+  for (int round = 0; round < rounds; round++) {
+    double start = now();
+    for (size_t i = 0; i < samples; i++) {
+      const size_t k = i % count;
+      computeJointTorqueRegressor(model, data, at.q[k], at.v[k], at.a[k]);
+      std::copy_n(row.data(), row.size(), W.data() + i * row.size());
+    }
+    best = std::min(best, (now() - start) / samples);
+  }
+  return best;
+}
+
 int main(int count, char **paths) {
   if (count == 1) std::cout << stores(false) << ' ' << stores(true) << std::endl;
   const int states = 64, repeats = 10, rounds = 60;
   for (int k = 1; k < count; k++) {
     Model model = read(paths[k]);
     Data data(model);
-    std::vector<Eigen::VectorXd> q, v, a;
-    for (int i = 0; i < states; i++) {
-      q.push_back(Eigen::VectorXd::Random(model.nq));
-      v.push_back(Eigen::VectorXd::Random(model.nv));
-      a.push_back(Eigen::VectorXd::Random(model.nv));
-    }
+    const States at(model, states);
+    const auto &[q, v, a] = at;
     double regressor = 1e18, rnea = 1e18;
     volatile double used = 0;
     for (int round = 0; round < rounds; round++) {
@@ -109,6 +136,8 @@ int main(int count, char **paths) {
       regressor = std::min(regressor, (middle - start) / (repeats * states));
       rnea = std::min(rnea, (now() - middle) / (repeats * states));
     }
-    std::cout << regressor << " " << rnea << std::endl;
+    std::cout << regressor << " " << rnea << " ";
+    std::cout << filling(model, data, at, size_t(5) << 17, 1000) << " ";
+    std::cout << filling(model, data, at, size_t(512) << 20, 4) << std::endl;
   }
 }
