@@ -166,6 +166,18 @@ def test_the_first_bad_sample_is_named_whatever_its_array(puma: rv.Robot, thread
         puma.regressor(q, qd, qdd, threads=threads)
 
 
+@pytest.mark.parametrize("name", ["puma560", "iiwa14"])
+def test_states_that_a_model_does_not_look_at_may_hold_anything(name: str) -> None:
+    # The ends of numerical derivatives often hold NaN.
+    robot = rv.load(name)
+    q, qd, qdd = random_states(robot, 100)
+    nan = np.full_like(q, np.nan)
+    assert np.array_equal(robot.regressor(q, nan, qdd, "d0"), robot.regressor(q, None, qdd, "d0"))
+    assert np.array_equal(robot.regressor(q, qd, nan, "h"), robot.regressor(q, qd, None, "h"))
+    with pytest.raises(rv.ArrayError, match="NaN"):
+        robot.packed(q, qd, nan, "d0")
+
+
 def test_no_room_is_made_for_states_that_do_not_fit(puma: rv.Robot) -> None:
     q = np.zeros((2, 6))
     made = arrays.room((q, q, q), (6, 6), (6, 66))

@@ -41,10 +41,10 @@ class Models(Description):
             robot's q begins as Pinocchio's: place of the base (x, y, z), then its attitude, a
             quaternion (x, y, z, w) of length 1.
         qd, qdd : array_like, shape (n,) or (N, n)
-            Velocities (per s) and accelerations (per s^2). Model h needs no `qdd`, model d0
-            no `qd`. Those of a floating robot begin with the velocity v of the base's origin
-            and its angular velocity w, in the base's frame, and with their rates; the origin's
-            own acceleration is ``dv + w x v``.
+            Velocities (per s) and accelerations (per s^2). Model h looks at no `qdd`, model d0
+            at no `qd`: leave them out. Those of a floating robot begin with the velocity v of
+            the base's origin and its angular velocity w, in the base's frame, and with their
+            rates; the origin's own acceleration is ``dv + w x v``.
         model : {"d", "d0", "h"}
             d: joint torques, ``tau = d @ X`` (Gautier 1991, eq. (5)); d0: the same at rest
             (eq. (8)); h: energy, of which only differences mean anything (eq. (10)).

@@ -92,7 +92,7 @@ impl Rows<'_> {
     /// Refuses bad states before anything is written.
     fn check(&self) -> Result<(), BaseError> {
         let states = self.states.slice(0, self.states.count, self.mechanism);
-        self.regressor.check(states)?;
+        self.regressor.check(self.model, states)?;
         Ok(())
     }
 

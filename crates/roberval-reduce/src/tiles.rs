@@ -3,7 +3,9 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use roberval_regressor::{Expanded, NoValue, Regressor, Slots, States, TileRows, TreeStates};
+use roberval_regressor::{
+    Expanded, Model, NoValue, Regressor, Slots, States, TileRows, TreeStates,
+};
 use roberval_scalar::{Lanes, MAX_LANES, Task};
 
 use crate::annihilate::annihilate;
@@ -122,7 +124,7 @@ impl Task for Absorb<'_> {
                             expansion,
                             samples.states,
                             0..size,
-                            false,
+                            Model::D,
                         );
                         if let Err((sample, error)) = done {
                             return self.control.report(samples.start + sample as u64, error);

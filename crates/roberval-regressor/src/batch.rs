@@ -1,3 +1,5 @@
+//! Rows of many samples: the checks of states, and the way to the lanes or past them.
+
 use roberval_mechanism::{Mechanism, ParameterSpace};
 use roberval_scalar::{Magnitude, Width, dispatch};
 
@@ -6,45 +8,9 @@ use crate::packed::{Export, Projection};
 use crate::scalar_path::{Motion, Motions, Rows, places};
 use crate::states::check_length;
 use crate::{
-    BaseState, DynamicsWorkspace, Expansion, JointMotion, NoValue, PackedLayout, Projected,
+    BaseState, DynamicsWorkspace, Expansion, JointMotion, Model, NoValue, PackedLayout, Projected,
     RegressorError, States, Torques, Tree, dynamics,
 };
-
-/// The three models, each linear in the parameters X.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Model {
-    /// d: the dynamic model (Gautier 1991, eq. (5)).
-    #[default]
-    D,
-    /// d0: the dynamic model at rest (eq. (8)).
-    D0,
-    /// h: the energy model (eq. (10)); only its differences mean anything.
-    H,
-}
-
-impl Model {
-    /// All models.
-    pub const ALL: [Self; 3] = [Self::D, Self::D0, Self::H];
-
-    /// `d`, `d0` or `h`.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::D => "d",
-            Self::D0 => "d0",
-            Self::H => "h",
-        }
-    }
-
-    /// Rows a sample gives, for m independent joints (all n without constraints).
-    #[must_use]
-    pub fn rows(self, independent: usize) -> usize {
-        match self {
-            Self::D | Self::D0 => independent,
-            Self::H => 1,
-        }
-    }
-}
 
 /// The regressor of a mechanism over float samples.
 ///
@@ -191,7 +157,7 @@ impl Regressor {
         out: &mut [f64],
         past_cache: bool,
     ) -> Result<(), RegressorError> {
-        let samples = self.check_for_lanes(states)?;
+        let samples = self.check_for_lanes(model, states)?;
         let layout = self.packed_layout(model);
         let lanes = self.lanes();
         let expected = layout.len(samples, lanes);
@@ -259,9 +225,9 @@ impl Regressor {
 
     /// The number of samples, once it is sure that they fit. The lanes themselves look for
     /// what is not finite, but not before joints have been expanded.
-    fn check_for_lanes(&self, states: States<'_>) -> Result<usize, RegressorError> {
+    fn check_for_lanes(&self, model: Model, states: States<'_>) -> Result<usize, RegressorError> {
         if self.expansion.is_some() {
-            return self.check(states);
+            return self.check(model, states);
         }
         let samples = states.count(self.positions(), self.independent())?;
         self.check_attitudes(states)?;
@@ -287,16 +253,16 @@ impl Regressor {
             writing,
             out,
         };
-        dispatch(width, task).map_err(|fault| self.fault(fault, states))
+        dispatch(width, task).map_err(|fault| self.fault(fault, model, states))
     }
 
     /// What went wrong in a batch.
     #[cold]
-    fn fault(&self, fault: Fault, states: States<'_>) -> RegressorError {
+    fn fault(&self, fault: Fault, model: Model, states: States<'_>) -> RegressorError {
         let widths = (self.positions(), self.independent());
         match fault {
             Fault::NoValue(sample, error) => RegressorError::NoValue { sample, error },
-            Fault::Tile(first) => states.not_finite(first, widths).unwrap_or_else(|| {
+            Fault::Tile(first) => states.not_finite(model, first, widths).unwrap_or_else(|| {
                 let what = "the state of a joint that follows others".to_owned();
                 let error = NoValue::Number { what };
                 let sample = first;
@@ -330,13 +296,14 @@ impl Regressor {
         &self.space
     }
 
-    /// The number of samples N, once it is sure that the states fit the robot.
+    /// The number of samples N, once it is sure that the states fit the robot, as far as the
+    /// model looks at them.
     ///
     /// # Errors
     /// [`RegressorError`] if an array has the wrong length, a state is not finite or an
     /// attitude is none.
-    pub fn check(&self, states: States<'_>) -> Result<usize, RegressorError> {
-        states.check(self.positions(), self.independent())
+    pub fn check(&self, model: Model, states: States<'_>) -> Result<usize, RegressorError> {
+        states.check(model, (self.positions(), self.independent()))
     }
 
     /// A choice of a model's columns, in the order given, ready for many batches.
@@ -432,12 +399,12 @@ impl Regressor {
         let model = columns.map_or(model, |columns| columns.model);
         let width = columns.map_or(self.space.len(), |c| c.columns.len());
         if self.in_lanes() {
-            let samples = self.check_for_lanes(states)?;
+            let samples = self.check_for_lanes(model, states)?;
             check_out(model, samples, self.independent(), width, out.len())?;
             let form = Form::Rows(self.export(model, columns));
             return self.run(model, states, form, self.width_for(samples), out, writing);
         }
-        let samples = self.check(states)?;
+        let samples = self.check(model, states)?;
         check_out(model, samples, self.independent(), width, out.len())?;
         let mut motions = self.motions(model, states);
         let mut rows = Rows::new(&self.tree, &self.space, columns.map(Columns::columns));
@@ -460,7 +427,7 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = self.check(states)?;
+        let samples = self.check(model, states)?;
         let width = self.space.len();
         check_out(model, samples, self.independent(), width, out.len())?;
         let tree = self.tree.magnitude();
@@ -496,7 +463,7 @@ impl Regressor {
         states: States<'_>,
         out: &mut [f64],
     ) -> Result<(), RegressorError> {
-        let samples = self.check_for_lanes(states)?;
+        let samples = self.check_for_lanes(Model::D, states)?;
         check_length("x", self.space.len(), x.len(), "one number a parameter")?;
         check_out(Model::D, samples, self.independent(), 1, out.len())?;
         if self.in_lanes() {
@@ -509,9 +476,10 @@ impl Regressor {
                 x,
                 out,
             };
-            return dispatch(self.width_for(samples), task).map_err(|f| self.fault(f, states));
+            return dispatch(self.width_for(samples), task)
+                .map_err(|f| self.fault(f, Model::D, states));
         }
-        self.check(states)?;
+        self.check(Model::D, states)?;
         let mut motions = self.motions(Model::D, states);
         let mut workspace = DynamicsWorkspace::new(&self.tree);
         for (sample, torques) in out.chunks_exact_mut(self.independent()).enumerate() {
@@ -548,7 +516,7 @@ impl Regressor {
     /// constraints have no value there.
     pub fn expand(&self, states: States<'_>) -> Result<[Vec<f64>; 3], RegressorError> {
         let m = self.independent();
-        let samples = self.check(states)?;
+        let samples = self.check(Model::D, states)?;
         let mut all: [Vec<f64>; 3] = Default::default();
         let mut expanded = self.expansion.as_ref().map(Expansion::states);
         let positions = self.positions();

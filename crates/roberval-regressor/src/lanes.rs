@@ -46,7 +46,7 @@ impl Robot<'_> {
         &self,
         states: States<'s>,
         k: usize,
-        still: bool,
+        model: Model,
         expanded: &'s mut Expanded,
     ) -> Result<TreeStates<'s>, Fault> {
         let Some(expansion) = self.expansion else {
@@ -54,7 +54,7 @@ impl Robot<'_> {
         };
         let samples = k * STRETCH..(k + 1) * STRETCH;
         expanded
-            .fill(self.tree, expansion, states, samples, still)
+            .fill(self.tree, expansion, states, samples, model)
             .map_err(|(sample, error)| Fault::NoValue(sample, error))?;
         Ok(expanded.states())
     }
@@ -255,8 +255,7 @@ impl Fill<'_> {
         let mut expanded = mem::take(&mut work.expanded);
         let whole = stretch(robot, self.out.len(), length);
         for (k, out) in self.out.chunks_mut(whole).enumerate() {
-            let still = model == Model::D0;
-            let states = robot.states(self.states, k, still, &mut expanded)?;
+            let states = robot.states(self.states, k, model, &mut expanded)?;
             write(
                 robot,
                 model,
@@ -425,7 +424,7 @@ impl Task for FillTorques<'_> {
         let mut expanded = mem::take(&mut work.expanded);
         let whole = stretch(robot, self.out.len(), m);
         for (k, out) in self.out.chunks_mut(whole).enumerate() {
-            let states = robot.states(self.states, k, false, &mut expanded)?;
+            let states = robot.states(self.states, k, Model::D, &mut expanded)?;
             torques(robot, m, &states, &mut work, out)?;
         }
         work.expanded = expanded;

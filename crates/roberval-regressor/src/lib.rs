@@ -23,6 +23,7 @@ mod inverse_dynamics;
 mod lanes;
 mod layout;
 mod loops;
+mod model;
 mod moments;
 mod motion;
 mod newton_euler;
@@ -40,7 +41,7 @@ mod vector;
 mod workspace;
 
 pub use base::{BaseState, squared_length};
-pub use batch::{Columns, Model, Regressor, STREAM_BYTES, Writing};
+pub use batch::{Columns, Regressor, STREAM_BYTES, Writing};
 pub use dynamics::dynamics;
 pub use energy::{EnergyWorkspace, energy};
 pub use exact::{
@@ -50,6 +51,7 @@ pub use exact::{
 };
 pub use expansion::{Expansion, JointStates, NoValue};
 pub use layout::{Aligned, Layout};
+pub use model::Model;
 pub use moments::{Moments, Shape};
 pub use motion::JointMotion;
 pub use newton_euler::newton_euler;

@@ -34,8 +34,7 @@ pub(crate) struct Motions<'a> {
     expanded: Option<JointStates<f64>>,
     /// m zeros.
     still: Vec<f64>,
-    /// Whether velocities count as zero (d0).
-    rest: bool,
+    model: Model,
     states: States<'a>,
     motion: Motion<f64>,
 }
@@ -55,7 +54,7 @@ impl<'a> Motions<'a> {
             expansion,
             expanded: expansion.map(Expansion::states),
             still: vec![0.0; expansion.map_or(tree.dof, Expansion::independent)],
-            rest: model == Model::D0,
+            model,
             states,
             motion: Motion::default(),
         }
@@ -66,12 +65,9 @@ impl<'a> Motions<'a> {
         let span = sample * m..(sample + 1) * m;
         let positions = m + usize::from(self.tree.is_floating());
         let q = &self.states.q[sample * positions..(sample + 1) * positions];
-        let qdd = &self.states.qdd[span.clone()];
-        let qd = if self.rest {
-            &self.still[..]
-        } else {
-            &self.states.qd[span]
-        };
+        let States { qd, qdd, .. } = self.states;
+        let state = [q, &qd[span.clone()], &qdd[span]];
+        let [q, qd, qdd] = self.model.taken(state, &self.still);
         if self.tree.is_floating() {
             let constants = self.tree.constants;
             self.motion.base = Some(BaseState::read([q, qd, qdd], constants, f64::recip));

@@ -1,6 +1,6 @@
 //! Joint states handed in by users, and what can be wrong with them.
 
-use crate::NoValue;
+use crate::{Model, NoValue};
 
 /// What is wrong with the arrays handed to a [`Regressor`](crate::Regressor).
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -74,7 +74,7 @@ pub enum RegressorError {
 pub struct States<'a> {
     /// Positions, N x m, or N x (m + 1) for a floating robot.
     pub q: &'a [f64],
-    /// Velocities, N x m.
+    /// Velocities, N x m (d0 does not look at them).
     pub qd: &'a [f64],
     /// Accelerations, N x m (h does not look at them).
     pub qdd: &'a [f64],
@@ -110,15 +110,17 @@ impl States<'_> {
         Ok(samples)
     }
 
-    /// What is not finite from this sample on.
+    /// What is not finite from this sample on, of what the model looks at.
     #[cold]
     pub(crate) fn not_finite(
         &self,
+        model: Model,
         first: usize,
         (positions, velocities): (usize, usize),
     ) -> Option<RegressorError> {
         let arrays = self.arrays(positions, velocities).into_iter();
-        let faults = arrays.filter_map(|(array, values, width)| {
+        let taken = arrays.zip(model.takes()).filter(|(_, takes)| *takes);
+        let faults = taken.filter_map(|((array, values, width), _)| {
             let mut rest = values[first * width..].iter();
             let at = first * width + rest.position(|x| !x.is_finite())?;
             let error = RegressorError::NotFinite {
@@ -132,14 +134,14 @@ impl States<'_> {
         faults.min_by_key(|fault| fault.0).map(|fault| fault.1)
     }
 
-    /// The number of samples N, all finite.
+    /// The number of samples N, all finite as far as the model looks at them.
     pub(crate) fn check(
         &self,
-        positions: usize,
-        velocities: usize,
+        model: Model,
+        (positions, velocities): (usize, usize),
     ) -> Result<usize, RegressorError> {
         let samples = self.count(positions, velocities)?;
-        if let Some(error) = self.not_finite(0, (positions, velocities)) {
+        if let Some(error) = self.not_finite(model, 0, (positions, velocities)) {
             return Err(error);
         }
         if positions > velocities {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::{Expansion, JointStates, NoValue, States, Tree};
+use crate::{Expansion, JointStates, Model, NoValue, States, Tree};
 
 /// Samples as all joints of the tree move.
 #[derive(Debug, Clone, Copy)]
@@ -38,8 +38,8 @@ pub struct Expanded {
 }
 
 impl Expanded {
-    /// Takes these samples (as far as there are any) of the independent joints, with their
-    /// velocities or at rest. Loops are closed from the first configuration, one sample
+    /// Takes these samples (as far as there are any) of the independent joints, zeros for what
+    /// the model does not look at. Loops are closed from the first configuration, one sample
     /// after the other.
     ///
     /// # Errors
@@ -50,7 +50,7 @@ impl Expanded {
         expansion: &Expansion<f64>,
         states: States<'_>,
         samples: Range<usize>,
-        still: bool,
+        model: Model,
     ) -> Result<(), (usize, NoValue)> {
         let m = expansion.independent();
         let floating = usize::from(tree.is_floating());
@@ -62,12 +62,9 @@ impl Expanded {
         for sample in samples.start..samples.end.min(states.q.len() / (m + floating)) {
             let span = sample * m..(sample + 1) * m;
             let q = &states.q[sample * (m + floating)..(sample + 1) * (m + floating)];
-            let qd = if still {
-                &zeros[..]
-            } else {
-                &states.qd[span.clone()]
-            };
-            let state = [tree.variables(q), qd, &states.qdd[span]];
+            let [_, qd, qdd] =
+                model.taken([q, &states.qd[span.clone()], &states.qdd[span]], &zeros);
+            let state = [tree.variables(q), qd, qdd];
             expansion
                 .expand(state, &mut joints)
                 .map_err(|error| (sample, error))?;

@@ -380,3 +380,38 @@ fn a_state_that_is_not_finite_is_named_wherever_it_stands() {
         }
     }
 }
+
+#[test]
+fn what_a_model_does_not_look_at_may_be_anything() {
+    for (seed, robot) in robots().enumerate().take(40) {
+        let samples = SAMPLES[seed % SAMPLES.len()];
+        for (model, unused) in [(Model::D0, 1), (Model::H, 2)] {
+            let mut batch = Batch::random(&robot, samples, seed as u64);
+            let (mut zeros, seen) = (batch.arrays.clone(), 3 - unused);
+            batch.arrays[unused].fill(f64::NAN);
+            zeros[unused].fill(0.0);
+            let zeros = Batch { arrays: zeros };
+            for width in Width::ALL.into_iter().filter(|width| width.is_available()) {
+                let regressor = Regressor::new(&robot).with_width(width);
+                let [found, expected] =
+                    [&batch, &zeros].map(|batch| rows(&regressor, model, batch, samples));
+                assert!(
+                    same(&found, &expected),
+                    "robot {seed}, {model:?}, {width:?}"
+                );
+                let mut bad = zeros.arrays.clone();
+                *bad[seen].last_mut().expect("a state") = f64::NAN;
+                bad[unused].fill(f64::NAN);
+                let bad = Batch { arrays: bad };
+                let mut out = vec![0.0; found.len()];
+                let fault = regressor.fill(model, bad.states(), &mut out);
+                let name = ["q", "qd", "qdd"][seen];
+                assert!(
+                    matches!(fault, Err(RegressorError::NotFinite { array, sample, .. })
+                        if (array, sample) == (name, samples - 1)),
+                    "robot {seed}, {model:?}, {width:?}: {fault:?}"
+                );
+            }
+        }
+    }
+}
