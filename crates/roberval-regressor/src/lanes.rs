@@ -292,13 +292,8 @@ fn write<V: Lanes>(
     if let (1, Form::Rows(export)) = (V::COUNT, form)
         && let Some(places) = export.places()
     {
-        for (sample, rows) in out.chunks_exact_mut(export.len()).enumerate() {
-            // Each number where it belongs at once.
-            export.clear(rows, writing.keep_zeros);
-            let mut sink = InPlace::new(places, rows);
-            work.run(robot.tree, model, states, sample, &mut sink)?;
-        }
-        return Ok(());
+        let export = (export, places, writing.keep_zeros);
+        return in_place(robot.tree, model, states, work, export, out);
     }
     let projection = robot.projection.filter(|_| model != Model::H);
     let (slots, length) = form.sizes();
@@ -336,6 +331,24 @@ fn write<V: Lanes>(
     }
     work.rows = rows;
     stage.give(work);
+    Ok(())
+}
+
+/// Row after row of one lane, each number where it belongs at once.
+#[inline(always)]
+fn in_place<V: Lanes>(
+    tree: &Tree<f64>,
+    model: Model,
+    states: &TreeStates<'_>,
+    work: &mut Work<V>,
+    (export, places, keep_zeros): (&Export, &[u32], bool),
+    out: &mut [f64],
+) -> Result<(), Fault> {
+    for (sample, rows) in out.chunks_exact_mut(export.len()).enumerate() {
+        export.clear(rows, keep_zeros);
+        let mut sink = InPlace::new(places, rows);
+        work.run(tree, model, states, sample, &mut sink)?;
+    }
     Ok(())
 }
 
