@@ -42,7 +42,7 @@ class Models(Description):
             quaternion (x, y, z, w) of length 1.
         qd, qdd : array_like, shape (n,) or (N, n)
             Velocities (per s) and accelerations (per s^2). Model h looks at no `qdd`, model d0
-            at no `qd`: leave them out. Those of a floating robot begin with the velocity v of
+            at no `qd`: None will do. Those of a floating robot begin with the velocity v of
             the base's origin and its angular velocity w, in the base's frame, and with their
             rates; the origin's own acceleration is ``dv + w x v``.
         model : {"d", "d0", "h"}
@@ -201,6 +201,9 @@ class Models(Description):
         threads: int | None = None,
     ) -> Array:
         """Joint torques (N m; forces in N for prismatic joints) ``tau = d @ X``.
+
+        Forces are carried inward from body to body (Newton and Euler): rounding is that of the
+        forces that pass, some 1e-15 of them, and not of the rows of d.
 
         Parameters
         ----------

@@ -14,7 +14,7 @@ pub struct JointMotion<T> {
     pub sin: T,
     /// `1 - cos`, divided by the squared length of the axis vector.
     pub versine: T,
-    /// Displacement along the axis of a prismatic joint (0 for a revolute one).
+    /// Displacement along the axis of a prismatic joint; not looked at for a revolute one.
     pub q: T,
     /// Joint velocity, in units of the axis vector.
     pub qd: T,

@@ -4,7 +4,8 @@
 //! velocities are shared through U (Khalil and Kleinfinger 1987). Two identities more are
 //! used here. The points of a revolute joint's axis belong to both bodies, so that the
 //! column of U along the axis is the antecedent's, turned. And mass on that axis belongs to
-//! either body ([`Moments`]), which leaves zeros.
+//! either body ([`Moments`]), which leaves zeros. That is for expressions, whose zeros and ones
+//! fold; batches of floats have frames at right angles and a recursion of their own.
 
 use roberval_mechanism::{JointKind, ParameterSpace};
 use roberval_scalar::Scalar;

@@ -11,8 +11,9 @@ pub(crate) const FEW: usize = 1280;
 // Rows of the others have a line at least, which is what `borders` takes for granted.
 const _: () = assert!(FEW >= LINE * MAX_LANES);
 
-/// Writes the samples of a full tile, whose rows have a line at least; `stage` has a zero after its slots. Lines without a
-/// source in these ranges are zero for every state: left alone if they are so already.
+/// Writes the samples of a full tile, whose rows have a line at least; `stage` has a zero after
+/// its slots. Lines without a source in these ranges are zero for every state: left alone if they
+/// are so already.
 #[inline(always)]
 pub(crate) fn write_past<V: Lanes>(
     stage: &mut [V],
